@@ -1,0 +1,1 @@
+"""Recursive Bayesian filters in square-root form."""

@@ -1,0 +1,32 @@
+"""The one primitive of square-root filtering, and triangular solves, batched over leading axes."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from wsn_tracking.models.anchors import Floats
+
+
+def transpose(A: Floats) -> Floats:
+    """Swap the last two axes."""
+    return np.swapaxes(A, -1, -2)
+
+
+def tria(A: Floats) -> Floats:
+    """Lower triangular L (..., n, n) with L L' = A A' and a non-negative diagonal; A (..., n, k), k >= n.
+
+    From the QR factors of A', so that A A' is never formed (seed 000, eq. 9, 15 and 19).
+    """
+    R = np.linalg.qr(transpose(A), mode='r')
+    diagonal = np.diagonal(R, axis1=-2, axis2=-1)
+    return transpose(R * np.where(diagonal < 0.0, -1.0, 1.0)[..., None])
+
+
+def solve(L: Floats, b: Floats) -> Floats:
+    """L^-1 b for matrices L (..., n, n) and vectors b (..., n)."""
+    return np.linalg.solve(L, b[..., None])[..., 0]
+
+
+def matvec(A: Floats, b: Floats) -> Floats:
+    """A b for matrices A (..., m, n) and vectors b (..., n)."""
+    return (A @ b[..., None])[..., 0]

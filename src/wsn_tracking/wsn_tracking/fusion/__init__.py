@@ -1,0 +1,1 @@
+"""Fusion of estimates whose correlation is unknown."""

@@ -1,0 +1,35 @@
+"""Process noise as a square root: chol_Q with Q = chol_Q chol_Q', states [x, y, vx, vy]."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from wsn_tracking.models.anchors import Floats
+
+CM = 0.01  # [m]
+
+
+def scaled_identity(q: ArrayLike) -> Floats:
+    """S_Q = q I (seed 000, section 3.1), shape (..., 4, 4) in SI units.
+
+    q (...) counts cm for positions and cm/s for velocities and means one step of T = 1 s: the document
+    gives no other, and the model has no rule to scale it with.
+    """
+    return np.asarray(q, dtype=np.float64)[..., None, None] * (CM * np.eye(4))
+
+
+def white_acceleration(spectral_density: ArrayLike, dt: ArrayLike) -> Floats:
+    """Root of continuous white-noise acceleration, shape (..., 4, 4).
+
+    Q = S [[T^3/3, T^2/2], [T^2/2, T]] per axis; spectral_density S (...) [m^2/s^3], dt T (...) [s], T >= 0.
+    """
+    S, T = np.broadcast_arrays(
+        np.asarray(spectral_density, dtype=np.float64), np.asarray(dt, dtype=np.float64)
+    )
+    root = np.sqrt(S * T)
+    L = np.zeros((*S.shape, 4, 4))
+    L[..., 0, 0] = L[..., 1, 1] = root * T / np.sqrt(3.0)
+    L[..., 2, 0] = L[..., 3, 1] = root * np.sqrt(3.0) / 2.0
+    L[..., 2, 2] = L[..., 3, 3] = root / 2.0
+    return L

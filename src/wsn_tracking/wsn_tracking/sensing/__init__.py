@@ -1,0 +1,1 @@
+"""From radio messages to epochs: values, trigger, epoch assembly."""

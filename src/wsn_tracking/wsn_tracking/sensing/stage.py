@@ -1,0 +1,123 @@
+"""The sensing nodes: signal strengths in, triggered ranges and a report out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from wsn_tracking.errors import TrackingError
+from wsn_tracking.models.anchors import Anchors
+from wsn_tracking.models.draws import keyed
+from wsn_tracking.models.radio import range_at, relative_range_std
+from wsn_tracking.parameters import param
+from wsn_tracking.sensing import trigger
+from wsn_tracking.sensing.values import Epoch, Modality, Range, Reason, Rssi, TriggerReport
+
+USABLE_DBM = (-127.0, 20.0)  # what a receiver can say; +127 and -128 are how radios spell `no value`
+
+
+@dataclass(frozen=True)
+class TriggerConfig:
+    """When a sensing node sends its range."""
+
+    kind: str = param(
+        'event',
+        'event: seed 000 eq. 1 and 2; near: eq. 1 alone; always; random: with probability `rate`',
+        choices=('event', 'near', 'always', 'random'),
+    )
+    y_min: float = param(-55.0, 'service radius: weaker signals are not sent', 'dBm', -200.0, 50.0)
+    e_min: float = param(0.2, 'event: smaller changes are no news', 'dB', 0.0, 100.0)
+    e_max: float = param(0.6, 'event: larger changes are noise', 'dB', 0.0, 200.0)
+    alpha: float = param(0.27, 'event: weight of the past in the pre-filter', '', 0.0, 1.0)
+    rate: float = param(0.43, 'random: share that is sent', '', 0.0, 1.0)
+
+    def strategy(self) -> trigger.Trigger:
+        """The trigger of these parameters."""
+        if self.e_max <= self.e_min:
+            raise TrackingError(f'`trigger.e_max` {self.e_max:g} dB is not above `trigger.e_min` {self.e_min:g} dB')
+        return {
+            'event': lambda: trigger.event(
+                trigger.EventThresholds(self.y_min, self.e_min, self.e_max, self.alpha)
+            ),
+            'near': lambda: trigger.near(self.y_min),
+            'always': trigger.always,
+            'random': lambda: trigger.random(self.rate),
+        }[self.kind]()
+
+
+class Sensed(NamedTuple):
+    """What the sensing nodes send in one epoch."""
+
+    ranges: tuple[Range, ...]
+    report: TriggerReport
+
+
+class SensingStage:
+    """The sensing nodes `ids` of a table, one trigger state each; one `step` an epoch of signal strengths."""
+
+    def __init__(self, config: TriggerConfig, anchors: Anchors, ids: Iterable[int] = (), seed: int = 0) -> None:
+        wanted = tuple(ids)
+        self.anchors = anchors.select(wanted) if wanted else anchors
+        self._trigger = config.strategy()
+        self._draws = config.kind == 'random'
+        self._seed = seed
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget the past: as after a start."""
+        self._yhat = np.full(self.anchors.ids.size, np.nan)
+        self._sent = np.zeros(self.anchors.ids.size, dtype=np.int64)
+
+    def step(self, epoch: Epoch) -> Sensed:
+        """Apply the trigger to an epoch's Rssi values and invert what is sent into ranges."""
+        ids = self.anchors.ids
+        heard: dict[int, Rssi] = {p.node_id: p for p in epoch.measurements if isinstance(p, Rssi)}
+        told = np.array([heard[i].rssi_dbm if i in heard else np.nan for i in ids.tolist()])
+        usable = (told >= USABLE_DBM[0]) & (told <= USABLE_DBM[1])
+        y = np.where(usable, told, np.nan)
+        self._yhat, verdict = self._trigger(self._yhat, y, self._uniform(epoch.request_seq))
+        ranges, seqs, silent, reasons = [], [], [], []
+        z = range_at(self.anchors, y)
+        share = relative_range_std(self.anchors)
+        for row, node in enumerate(ids.tolist()):
+            if verdict[row] != trigger.SENT:
+                silent.append(node)
+                invalid = node in heard and not usable[row]
+                reasons.append(int(Reason.INVALID if invalid else verdict[row]))
+                continue
+            packet = heard[node]
+            scale = 1.0 if np.isnan(packet.sigma_db) else packet.sigma_db / float(self.anchors.sigma_db[row])
+            seqs.append(int(self._sent[row]))
+            self._sent[row] += 1
+            ranges.append(
+                Range(
+                    epoch.stamp_ns,
+                    node,
+                    epoch.target_id,
+                    seqs[-1],
+                    epoch.request_seq,
+                    Modality.RSSI,
+                    float(z[row]),
+                    float((share[row] * scale * z[row]) ** 2),
+                    packet.rssi_dbm,
+                    packet.n_samples,
+                )
+            )
+        report = TriggerReport(
+            epoch.stamp_ns,
+            epoch.target_id,
+            epoch.request_seq,
+            tuple(r.node_id for r in ranges),
+            tuple(seqs),
+            tuple(silent),
+            tuple(reasons),
+        )
+        return Sensed(tuple(ranges), report)
+
+    def _uniform(self, epoch: int) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
+        if not self._draws:
+            return np.zeros(self.anchors.ids.size)
+        return np.array([keyed(self._seed, node, epoch).random() for node in self.anchors.ids.tolist()])

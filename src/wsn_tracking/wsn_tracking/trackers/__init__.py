@@ -1,0 +1,1 @@
+"""One module a system: configuration in, `step(epoch) -> Estimate` out."""
