@@ -27,7 +27,7 @@ class Regression(NamedTuple):
     """
 
     z_hat: Floats  # (..., N)
-    O: Floats  # (..., N, n)  # noqa: E741 - the odd part, beside E, the even part
+    O: Floats  # (..., N, n)
     E: Floats  # (..., N, n)
 
 

@@ -17,7 +17,7 @@ def tria(A: Floats) -> Floats:
 
     From the QR factors of A', so that A A' is never formed (seed 000, eq. 9, 15 and 19).
     """
-    R = np.linalg.qr(transpose(A), mode='r')
+    R = np.asarray(np.linalg.qr(transpose(A), mode='r'))
     diagonal = np.diagonal(R, axis1=-2, axis2=-1)
     return transpose(R * np.where(diagonal < 0.0, -1.0, 1.0)[..., None])
 

@@ -7,7 +7,7 @@ import numpy as np
 from wsn_tracking.filters.belief import Belief
 from wsn_tracking.filters.cubature import Regression, regress
 from wsn_tracking.filters.linalg import matvec, solve, transpose, tria
-from wsn_tracking.models.anchors import Floats
+from wsn_tracking.models.anchors import Floats, Mask
 from wsn_tracking.models.measurement import Function
 
 
@@ -49,8 +49,8 @@ def update(belief: Belief, z: Floats, h: Function, noise: Function, passes: int 
     return posterior
 
 
-def _condition(prior: Belief, z: Floats, missing: Floats, r: Regression, root_R: Floats) -> Belief:
-    """Joint triangularisation [[O, S_R, E], [chol_P, 0, 0]] -> [[S_zz, 0], [K, chol_P+]], m+ = m + K S_zz^-1 (z - z_hat).
+def _condition(prior: Belief, z: Floats, missing: Mask, r: Regression, root_R: Floats) -> Belief:
+    """Triangularise [[O, S_R, E], [chol_P, 0, 0]] into [[S_zz, 0], [K, chol_P+]]; m+ = m + K S_zz^-1 (z - z_hat).
 
     One QR gives S_zz (eq. 15), the gain (eq. 17) and the posterior root (eq. 19) at once.
     """

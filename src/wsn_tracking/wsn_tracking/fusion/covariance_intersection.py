@@ -69,7 +69,7 @@ def spread(P: Floats, m: Floats, a: float = 0.5, floor: float = 1e-10) -> Floats
     they are: it weighs them, and is never told as accuracy.
     """
     d = m - m.mean(axis=-2, keepdims=True)
-    return a * d[..., :, None] * d[..., None, :] + (1.0 - a) * P + floor * np.eye(m.shape[-1])
+    return np.asarray(a * d[..., :, None] * d[..., None, :] + (1.0 - a) * P + floor * np.eye(m.shape[-1]))
 
 
 def lci(m: Floats, P_spread: Floats) -> Fused:

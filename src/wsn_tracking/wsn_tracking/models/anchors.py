@@ -46,7 +46,7 @@ class Anchors(NamedTuple):
                 f'nodes {wanted[rows < 0].tolist()} are not among the anchors {self.ids.tolist()}: '
                 'correct the parameter `nodes` or the anchors'
             )
-        return Anchors(*(column[rows] for column in self))
+        return Anchors._make(column[rows] for column in self)
 
 
 def make_anchors(ids: ArrayLike, positions: ArrayLike, **radio: Any) -> Anchors:

@@ -24,9 +24,7 @@ def white_acceleration(spectral_density: ArrayLike, dt: ArrayLike) -> Floats:
 
     Q = S [[T^3/3, T^2/2], [T^2/2, T]] per axis; spectral_density S (...) [m^2/s^3], dt T (...) [s], T >= 0.
     """
-    S, T = np.broadcast_arrays(
-        np.asarray(spectral_density, dtype=np.float64), np.asarray(dt, dtype=np.float64)
-    )
+    S, T = np.broadcast_arrays(np.asarray(spectral_density, dtype=np.float64), np.asarray(dt, dtype=np.float64))
     root = np.sqrt(S * T)
     L = np.zeros((*S.shape, 4, 4))
     L[..., 0, 0] = L[..., 1, 1] = root * T / np.sqrt(3.0)

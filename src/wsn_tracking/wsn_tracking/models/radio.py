@@ -28,4 +28,4 @@ def relative_range_std(anchors: Anchors) -> Floats:
 
     ln z has the standard deviation sigma_db ln(10) / (10 n); with 1.56 dB and n = 3 that is the 0.12 of seed 000.
     """
-    return anchors.sigma_db * LN10_10 / anchors.n
+    return np.asarray(anchors.sigma_db * LN10_10 / anchors.n)

@@ -48,9 +48,9 @@ def _average_range(packets: Sequence[Range]) -> Range:
 
 
 def _mean(values: Sequence[float], weights: Sequence[int]) -> float:
-    return math.fsum(w * v for w, v in zip(weights, values)) / sum(weights)
+    return math.fsum(w * v for w, v in zip(weights, values, strict=True)) / sum(weights)
 
 
 def _mean_std(stds: Sequence[float], weights: Sequence[int]) -> float:
     """Standard deviation of a weighted mean of independent values."""
-    return math.sqrt(math.fsum((w * s) ** 2 for w, s in zip(weights, stds))) / sum(weights)
+    return math.sqrt(math.fsum((w * s) ** 2 for w, s in zip(weights, stds, strict=True))) / sum(weights)

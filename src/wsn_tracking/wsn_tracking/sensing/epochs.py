@@ -19,6 +19,8 @@ MAX_OPEN = 1000  # epochs held at once
 MAX_LATE = 1000  # late messages held in case a new run's request is still to come
 FORGET_AFTER = 3  # epochs without its report, and a node is no longer waited for
 
+NO_LOSS = ('used', 'epochs', 'other_node')  # counters of what was not dropped
+
 Key = tuple[int, int]  # node_id, seq
 
 Listing = EpochEnd | TriggerReport
@@ -115,10 +117,10 @@ class EpochAssembler:
             return
         epoch = self._epoch(listing.request_seq, now)
         if isinstance(listing, EpochEnd):
-            sent = zip(listing.node_ids, listing.seqs)
+            sent = zip(listing.node_ids, listing.seqs, strict=True)
             covered: frozenset[int] = self.roster
         else:
-            sent = zip(listing.sent_ids, listing.sent_seqs)
+            sent = zip(listing.sent_ids, listing.sent_seqs, strict=True)
             covered = self.roster & {*listing.sent_ids, *listing.silent_ids}
         epoch.listed.update(key for key in sent if key[0] in self.roster)
         epoch.covered |= covered
@@ -232,8 +234,10 @@ class EpochAssembler:
         for message in held:
             if message.stamp_ns > stamp_ns:
                 self._late.append(message)
-            elif message.stamp_ns == stamp_ns and isinstance(message, (EpochEnd, TriggerReport)):
+            elif message.stamp_ns < stamp_ns:
+                continue
+            elif isinstance(message, (EpochEnd, TriggerReport)):
                 self.listing(message, now)
-            elif message.stamp_ns == stamp_ns:
+            else:
                 self.counters['late'] -= 1
                 self.measurement(message, now)

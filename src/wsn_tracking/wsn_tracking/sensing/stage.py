@@ -38,14 +38,14 @@ class TriggerConfig:
         """The trigger of these parameters."""
         if self.e_max <= self.e_min:
             raise TrackingError(f'`trigger.e_max` {self.e_max:g} dB is not above `trigger.e_min` {self.e_min:g} dB')
-        return {
-            'event': lambda: trigger.event(
-                trigger.EventThresholds(self.y_min, self.e_min, self.e_max, self.alpha)
-            ),
-            'near': lambda: trigger.near(self.y_min),
-            'always': trigger.always,
-            'random': lambda: trigger.random(self.rate),
-        }[self.kind]()
+        thresholds = trigger.EventThresholds(self.y_min, self.e_min, self.e_max, self.alpha)
+        strategies: dict[str, trigger.Trigger] = {
+            'event': trigger.event(thresholds),
+            'near': trigger.near(self.y_min),
+            'always': trigger.always(),
+            'random': trigger.random(self.rate),
+        }
+        return strategies[self.kind]
 
 
 class Sensed(NamedTuple):

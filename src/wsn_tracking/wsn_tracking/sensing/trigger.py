@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from wsn_tracking.models.anchors import Floats
 from wsn_tracking.sensing.values import Reason
@@ -71,9 +71,3 @@ def random(rate: float) -> Trigger:
         return yhat, verdict
 
     return step
-
-
-def saved_share(sent: ArrayLike, offered: ArrayLike) -> Floats:
-    """Share of measurements that were not sent, (...); NaN where nothing was offered."""
-    sent, offered = np.asarray(sent, dtype=np.float64), np.asarray(offered, dtype=np.float64)
-    return 1.0 - np.divide(sent, offered, out=np.full(np.shape(offered), np.nan), where=offered > 0)

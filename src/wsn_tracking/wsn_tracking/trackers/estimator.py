@@ -16,9 +16,7 @@ class EstimatorConfig(RandomQConfig):
     """One estimator: its number, its peers, the nodes that it hears, and its filter and fusion."""
 
     id: int = param(1, 'number of this estimator', 'id', 0, 65535)
-    peers: tuple[int, ...] = param(
-        (1, 2, 3), 'numbers of all estimators; one alone fuses only its own', 'id', 0, 65535
-    )
+    peers: tuple[int, ...] = param((1, 2, 3), 'numbers of all estimators; one alone fuses only its own', 'id', 0, 65535)
     nodes: tuple[int, ...] = param((), 'sensing nodes that it hears; empty: all', 'id', 0, 65535)
     input: str = param(
         'auto',

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -87,5 +88,14 @@ class Fuser:
         numbers = [e.contributors[0] for e in ordered]
         before = np.stack([self._spread.get(i, self._P0) for i in numbers])
         after = ci.spread(before, m, self.config.lci_a)
-        self._spread = dict(zip(numbers, after))
+        self._spread = dict(zip(numbers, after, strict=True))
         return ci.lci(m, after)
+
+
+def compared(config: FusionConfig) -> tuple[Fuser, Fuser]:
+    """The rules that every run is compared with: the plain mean and LCI of the same locals."""
+    base = dataclasses.replace(config, feedback=False)
+    return (
+        Fuser(dataclasses.replace(base, rule='mean'), 'mean'),
+        Fuser(dataclasses.replace(base, rule='lci'), 'lci'),
+    )

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import TypeVar
 
 import numpy as np
+from typing_extensions import Self
 
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.filters import srckf
@@ -37,7 +38,7 @@ class NoiseConfig:
 
     kind: str = param(
         'identity',
-        'identity: S_Q = q I (valid for T = 1 s only); acceleration: white acceleration, root scaled by 2q/(q_min+q_max)',
+        'identity: S_Q = q I, valid for T = 1 s only; acceleration: white, its root scaled by 2 q / (q_min + q_max)',
         choices=('identity', 'acceleration'),
     )
     q_min: float = param(6.0, 'lower bound of the drawn q', 'cm and cm/s', 0.0, 1e6)
@@ -81,15 +82,13 @@ class RandomQConfig:
     """One estimator of system A."""
 
     seed: int = param(0, 'of the random process noise; the draw is keyed by seed, estimator and epoch', '', 0)
-    area: tuple[float, ...] = param(
-        (), 'x_min, y_min, x_max, y_max that positions are kept in; empty: not kept', 'm'
-    )
+    area: tuple[float, ...] = param((), 'x_min, y_min, x_max, y_max that positions are kept in; empty: not kept', 'm')
     target_height: float = param(0.0, 'height at which the target moves', 'm', -1e4, 1e4)
     noise: NoiseConfig = group(NoiseConfig)
     update: UpdateConfig = group(UpdateConfig)
     start: StartConfig = group(StartConfig)
 
-    def checked(self: Checked) -> Checked:
+    def checked(self) -> Self:
         """Itself, or TrackingError where fields contradict each other."""
         if self.noise.q_max < self.noise.q_min:
             raise TrackingError(f'`noise.q_max` {self.noise.q_max:g} is below `noise.q_min` {self.noise.q_min:g}')
@@ -149,7 +148,7 @@ class MeasurementTable:
         """z (N,) with NaN where nothing usable was heard, h, noise root, and the nodes that were used."""
         packets = [p for p in epoch.measurements if isinstance(p, (Range, Rssi)) and usable(p)]
         rows = self.anchors.rows([p.node_id for p in packets]).tolist()
-        kept = [(row, p) for row, p in zip(rows, packets) if row >= 0]
+        kept = [(row, p) for row, p in zip(rows, packets, strict=True) if row >= 0]
         ids = tuple(p.node_id for _, p in kept)
         z = np.full(self.anchors.ids.size, np.nan)
         if kept and isinstance(kept[0][1], Rssi):
@@ -246,4 +245,3 @@ class LocalEstimator:
     def feed_back(self, fused: Estimate) -> None:
         """Go on from a fused estimate instead of one's own (option `feedback`)."""
         self._belief = Belief(fused.mean, np.linalg.cholesky(fused.covariance))
-

@@ -1,0 +1,1 @@
+"""Recordings: read, write, import of public data sets."""

@@ -1,0 +1,220 @@
+"""The parameters of every executable, and configuration files that set them.
+
+A file is a ROS 2 parameter file: section `/**` is for every node, `/**/NAME` for one. The same file serves
+`ros2 run --params-file`, the launch files and the evaluator.
+"""
+
+from __future__ import annotations
+
+import difflib
+import os
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from wsn_tracking.errors import TrackingError
+from wsn_tracking.parameters import group, param, specs
+from wsn_tracking.sensing.stage import TriggerConfig
+from wsn_tracking.trackers.estimator import EstimatorConfig
+from wsn_tracking.trackers.fusing import FusionConfig
+
+Values = Mapping[str, Any]  # dotted parameter name -> value
+
+
+@dataclass(frozen=True)
+class MatchingConfig:
+    """How many partners each topic must have before a node says that it is ready."""
+
+    expected_subscribers: tuple[str, ...] = param(
+        ('',), 'for each output that others wait for, topic=count; set by launch files'
+    )
+    expected_publishers: tuple[str, ...] = param(('',), 'for each input, topic=count; set by launch files')
+
+
+@dataclass(frozen=True)
+class AssemblyConfig:
+    """How a node collects the messages of an epoch."""
+
+    target_id: int = param(-1, 'the target that is tracked; -1: the first that is heard', 'id', -1, 65535)
+    loss_timeout: float = param(1.0, 'steady time after which a listed message counts as lost', 's', 1e-3, 3600.0)
+    lossless: bool = param(False, 'set in replay: a message that is missing is an error')
+
+
+@dataclass(frozen=True)
+class SensingNodeConfig(AssemblyConfig):
+    """sensing_node."""
+
+    ids: tuple[int, ...] = param((), 'the sensing nodes that live in this process; empty: all anchors', 'id', 0, 65535)
+    seed: int = param(0, 'of the random trigger; the draw is keyed by seed, node and epoch', '', 0)
+    trigger: TriggerConfig = group(TriggerConfig)
+
+
+@dataclass(frozen=True)
+class EstimatorNodeConfig(EstimatorConfig, AssemblyConfig):
+    """estimator_node."""
+
+    fusion_timeout: float = param(
+        0.2, 'how long the fusion of an epoch waits for live peers (0.2 T)', 's', 1e-3, 3600.0
+    )
+
+
+@dataclass(frozen=True)
+class FeedConfig:
+    """How world_node and bag_player_node feed a graph."""
+
+    rate: float = param(1.0, 'speed, as a multiple of real time; 0: as fast as the outputs keep up', '', 0.0, 1e6)
+    expected_nodes: tuple[str, ...] = param(
+        ('',), 'names of the nodes that must be ready before anything is sent; empty: none'
+    )
+    window_topics: tuple[str, ...] = param(('',), 'outputs that the feed stays close to')
+    window: int = param(4, 'epochs that the feed may be ahead of those outputs', '', 1, 100000)
+    output_timeout: float = param(5.0, 'an output silent for so long leaves the window', 's', 1e-2, 3600.0)
+    progress: bool = param(False, 'draw a progress bar on the terminal')
+    ready_timeout: float = param(60.0, 'how long nodes may take to be ready', 's', 1e-2, 86400.0)
+
+
+@dataclass(frozen=True)
+class PlayerConfig(FeedConfig):
+    """bag_player_node."""
+
+    bag: str = param('', 'bag to play: a rosbag2 folder or an .mcap file')
+    namespace: str = param('', 'namespace in the bag, where it holds several')
+
+
+@dataclass(frozen=True)
+class WorldConfig(FeedConfig):
+    """world_node."""
+
+    scenario: str = param('a_loop', 'experiment to simulate')
+    seed: int = param(0, 'of the radio noise', '', 0)
+    start_stamp: float = param(0.0, 'stamp of the first epoch since 1970; 0: now', 's', 0.0, 4e9)
+
+
+@dataclass(frozen=True)
+class RecorderConfig:
+    """bag_recorder_node."""
+
+    output: str = param('recording', 'folder to write; it must not exist')
+    entry_level: str = param(
+        'rssi', 'the one level of measurements that is recorded', choices=('rssi', 'range', 'observation')
+    )
+    targets: tuple[int, ...] = param((1,), 'targets whose truth is recorded', 'id', 0, 65535)
+    extra_topics: tuple[str, ...] = param(('',), 'derived topics that are recorded as well, e.g. estimate/fused_1')
+    metadata: tuple[str, ...] = param(('',), 'key=value entries for the metadata of the bag')
+    silence: float = param(1.0, 'after the final epoch: silence that ends the recording', 's', 1e-2, 3600.0)
+
+
+@dataclass(frozen=True)
+class EvaluatorConfig:
+    """evaluator_node."""
+
+    outputs: tuple[str, ...] = param(
+        ('local_1', 'local_2', 'local_3', 'fused_1', 'fused_2', 'fused_3'), 'estimates that are scored'
+    )
+    target_id: int = param(1, 'target that is scored', 'id', 0, 65535)
+    title: str = param('live', 'heading of the table')
+    skip: float = param(5.0, 'errors before this time after the first epoch are not scored', 's', 0.0, 1e9)
+    json: str = param('', 'file that the scores are written to; empty: none')
+    plot: str = param('', 'folder that the plots are drawn in; empty: none')
+    expected_reports: tuple[str, ...] = param(('',), 'nodes whose final counts go into the table')
+    output_timeout: float = param(5.0, 'after the final epoch: an output silent for so long is given up', 's', 1e-2)
+    fusion: FusionConfig = group(FusionConfig)
+
+
+EXECUTABLES: Mapping[str, type[Any]] = {
+    'sensing_node': SensingNodeConfig,
+    'estimator_node': EstimatorNodeConfig,
+    'world_node': WorldConfig,
+    'bag_player_node': PlayerConfig,
+    'bag_recorder_node': RecorderConfig,
+    'evaluator_node': EvaluatorConfig,
+}
+
+
+def share_folders(*parts: str) -> Iterator[Path]:
+    """Where installed data of this package may be, most specific first; the sources come last."""
+    for prefix in filter(None, os.environ.get('AMENT_PREFIX_PATH', '').split(os.pathsep)):
+        yield Path(prefix, 'share', 'wsn_tracking', *parts)
+    yield Path(__file__).resolve().parents[1].joinpath(*parts)
+
+
+def configuration_names() -> list[str]:
+    """Configurations that come with the package."""
+    return sorted({path.stem for folder in share_folders('config') for path in folder.glob('*.yaml')})
+
+
+def find_configuration(name: str) -> Path:
+    """The file of a configuration, by path or by the name of one that comes with the package."""
+    candidates = [Path(name), *(folder / f'{name}.yaml' for folder in share_folders('config'))]
+    for path in candidates:
+        if path.is_file():
+            return path
+    raise TrackingError(
+        f'no configuration `{name}`: expected a file or one of {", ".join(configuration_names()) or "(none found)"}'
+    )
+
+
+class Configuration:
+    """The sections of a parameter file."""
+
+    def __init__(self, sections: Mapping[str, Values]) -> None:
+        self._sections = sections
+
+    def of(self, node: str) -> dict[str, Any]:
+        """The parameters that the file sets for a node of that name."""
+        values: dict[str, Any] = {}
+        for section in ('/**', f'/**/{node}', f'/{node}', node):
+            values.update(self._sections.get(section, {}))
+        return values
+
+
+def load_configuration(name: str) -> Configuration:
+    """Read and check a configuration; an unknown parameter is refused with the nearest known one."""
+    path = find_configuration(name)
+    try:
+        content = yaml.safe_load(path.read_text('utf-8'))
+    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
+        reason = ' '.join(str(error).split())
+        raise TrackingError(f'{path} is no readable YAML: {reason}') from error
+    if not isinstance(content, dict):
+        raise TrackingError(f'{path} holds no sections: expected `/**:` with `ros__parameters:` below it')
+    sections = {}
+    for section, body in content.items():
+        if not isinstance(body, dict) or not isinstance(body.get('ros__parameters'), dict):
+            raise TrackingError(f'{path}: section `{section}` has no `ros__parameters:` with names below it')
+        sections[str(section)] = dict(_flat(body['ros__parameters']))
+        for parameter in sections[str(section)]:
+            _check_known(parameter, str(path))
+    return Configuration(sections)
+
+
+def parse_setting(text: str) -> tuple[str, Any]:
+    """name=value of the command line; the value is YAML."""
+    name, separator, value = text.partition('=')
+    if not separator:
+        raise TrackingError(f'setting {text!r}: expected name=value, e.g. trigger.kind=near')
+    _check_known(name, f'setting {text!r}')
+    try:
+        return name, yaml.safe_load(value)
+    except yaml.YAMLError as error:
+        raise TrackingError(f'setting {text!r}: the value is no YAML') from error
+
+
+def _flat(values: Mapping[str, Any], prefix: str = '') -> Iterator[tuple[str, Any]]:
+    for key, value in values.items():
+        if isinstance(value, dict):
+            yield from _flat(value, f'{prefix}{key}.')
+        else:
+            yield f'{prefix}{key}', value
+
+
+def _check_known(name: str, where: str) -> None:
+    known = {spec.name for kind in (*EXECUTABLES.values(), MatchingConfig) for spec in specs(kind)}
+    if name in known or name == 'use_sim_time' or name.startswith('qos_overrides.'):
+        return
+    near = difflib.get_close_matches(name, known, 1)
+    hint = f'did you mean `{near[0]}`?' if near else 'docs/parameters.md lists all'
+    raise TrackingError(f'{where}: there is no parameter `{name}`; {hint}')

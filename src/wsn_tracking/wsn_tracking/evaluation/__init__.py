@@ -1,0 +1,1 @@
+"""Metrics, consistency, tables and plots."""

@@ -1,0 +1,142 @@
+"""The map: where the target was, where the outputs say it was, and how sure they are."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wsn_tracking.errors import TrackingError
+from wsn_tracking.evaluation import plot_style as style
+from wsn_tracking.evaluation.metrics import nees
+from wsn_tracking.models.anchors import Anchors, Floats
+from wsn_tracking.sensing.recording import Truth
+from wsn_tracking.trackers.estimate import Estimate, Kind
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.lines import Line2D
+
+CHI2_95 = 5.991464547107979  # chi-square, 2 degrees of freedom, at 0.95: -2 ln 0.05
+ELLIPSES = 14  # along a track: more would hide it
+MOST_IDS = 60  # more numbers than this cover each other
+Area = tuple[float, float, float, float]  # x_min, y_min, x_max, y_max [m]
+
+
+def ellipse(mean: Floats, covariance: Floats, points: int = 73) -> Floats:
+    """Border of the 95 % region, (..., 2) and (..., 2, 2) -> (..., points, 2) [m].
+
+    A circle of radius sqrt(CHI2_95) through the Cholesky factor. Raises LinAlgError where P is not definite.
+    """
+    angle = np.linspace(0.0, 2.0 * np.pi, points)
+    circle = np.sqrt(CHI2_95) * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+    return np.asarray(mean[..., None, :] + circle @ np.swapaxes(np.linalg.cholesky(covariance), -1, -2))
+
+
+def plot_map(
+    path: str | Path,
+    anchors: Anchors,
+    truth: Truth | None,
+    estimates: Mapping[str, Sequence[Estimate]],
+    area: Area | None = None,
+    *,
+    title: str = 'Map',
+    ellipses_of: str | None = None,
+) -> None:
+    """Draw the anchors, the truth, every output's track and the 95 % ellipses of one output to a PNG.
+
+    ellipses_of: that output; by default the first fused one, else the first, whose covariance is known.
+    """
+    if ellipses_of is not None and ellipses_of not in estimates:
+        raise TrackingError(f'no output {ellipses_of}: ellipses can be drawn of {", ".join(estimates)}')
+    pens = style.pens(estimates)
+    chosen = ellipses_of if ellipses_of is not None else _trusted({n: estimates[n] for n in pens})
+    x_min, y_min, x_max, y_max = box = _frame(anchors, truth, area)
+    shape = (y_max - y_min) / (x_max - x_min)
+    width = 5.8 if shape < 1.2 else 5.8 * 1.2 / shape
+    figure = style.new_figure(width + 2.4, width * shape + 1.2)
+    axes = figure.add_subplot()
+    style.dress(axes)
+    handles: list[Line2D] = []
+    if area is not None:
+        corners = np.asarray(area)[np.array([[0, 1], [2, 1], [2, 3], [0, 3], [0, 1]])]
+        axes.plot(*corners.T, color='#b0b0b0', linewidth=1.0, zorder=1)
+    if truth is not None:
+        start = truth.positions[_recorded(truth)][:1, :2]
+        handles += axes.plot(
+            *truth.positions[:, :2].T, color=style.INK, linewidth=2.2, zorder=3, label='truth'
+        )
+        handles += axes.plot(*start.T, 'o', color='white', mec=style.INK, zorder=6, label='start')
+    for name, pen in pens.items():
+        track = np.array([e.mean[:2] for e in estimates[name]], dtype=np.float64).reshape(-1, 2)
+        weight = {'linewidth': 1.8, 'zorder': 5} if name == chosen else {'linewidth': 0.9, 'alpha': 0.6}
+        handles += axes.plot(*track.T, label=name, **{'zorder': 4, **weight, **pen._asdict()})
+    if chosen is not None:
+        color = pens[chosen].color if chosen in pens else style.MUTED
+        label = f'95 % of {chosen}'
+        handles += axes.plot(*_rings(estimates[chosen]).T, color=color, linewidth=0.8, zorder=2, label=label)
+    handles.append(_draw_anchors(axes, anchors))
+    axes.set(xlim=box[::2], ylim=box[1::2], xlabel='x [m]', ylabel='y [m]')
+    axes.set_aspect('equal', adjustable='box')
+    style.heading(figure, title, len(pens), len(estimates))
+    style.legend_outside(figure, handles)
+    style.save(figure, path)
+
+
+def _draw_anchors(axes: Axes, anchors: Anchors) -> Line2D:
+    places = anchors.positions[:, :2]
+    (handle,) = axes.plot(*places.T, '^', color=style.MUTED, markersize=6, zorder=4, label='node')
+    if anchors.ids.size <= MOST_IDS:
+        looks: dict[str, Any] = {'ha': 'center', 'fontsize': 7, 'color': style.MUTED, 'zorder': 4}
+        for node, place in zip(anchors.ids, places, strict=True):
+            axes.annotate(str(node), place, (0, 5), textcoords='offset points', **looks)
+    return handle
+
+
+def _recorded(truth: Truth) -> NDArray[np.bool_]:
+    return np.asarray(np.all(np.isfinite(truth.positions), axis=-1))
+
+
+def _frame(anchors: Anchors, truth: Truth | None, area: Area | None) -> Area:
+    """What must be seen, with a margin: a lost track may leave the picture, it must not shrink the room."""
+    points = [anchors.positions[:, :2]]
+    if truth is not None:
+        points.append(truth.positions[_recorded(truth), :2])
+    if area is not None:
+        points.append(np.asarray(area, dtype=np.float64).reshape(2, 2))
+    every = np.concatenate(points)
+    low, high = every.min(axis=0), every.max(axis=0)
+    margin = 0.07 * max(float(np.max(high - low)), 0.5)
+    return float(low[0] - margin), float(low[1] - margin), float(high[0] + margin), float(high[1] + margin)
+
+
+def _known(estimates: Sequence[Estimate]) -> tuple[Floats, Floats]:
+    """Positions (M, 2) [m] and covariances (M, 2, 2) [m^2] of those with a finite and definite belief."""
+    means = np.array([e.mean[:2] for e in estimates], dtype=np.float64).reshape(-1, 2)
+    blocks = np.array([np.asarray(e.covariance)[:2, :2] for e in estimates], dtype=np.float64).reshape(
+        -1, 2, 2
+    )
+    definite = np.isfinite(nees(0.0 * means, blocks))
+    return means[definite], blocks[definite]
+
+
+def _rings(estimates: Sequence[Estimate]) -> Floats:
+    """Ellipses at equal intervals as one line, (points, 2) [m], with NaN between them.
+
+    The first comes half an interval late: the very start is all uncertainty.
+    """
+    means, covariances = _known(estimates)
+    step = max(1, round(len(means) / ELLIPSES))
+    rings = ellipse(means[step // 2 :: step], covariances[step // 2 :: step])
+    gaps = np.full((rings.shape[0], 1, 2), np.nan)
+    return np.concatenate([rings, gaps], axis=1).reshape(-1, 2)
+
+
+def _trusted(estimates: Mapping[str, Sequence[Estimate]]) -> str | None:
+    """The output whose ellipses are worth drawing."""
+    known = [name for name, track in estimates.items() if _known(track)[0].size]
+    fused = [name for name in known if estimates[name][-1].kind == Kind.FUSED]
+    return next(iter([*fused, *known]), None)

@@ -1,0 +1,47 @@
+"""The three pictures of an evaluation."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from wsn_tracking.evaluation.plot_map import Area, plot_map
+from wsn_tracking.evaluation.plot_series import plot_errors, plot_nees
+from wsn_tracking.evaluation.score import SKIP_S
+from wsn_tracking.models.anchors import Anchors
+from wsn_tracking.sensing.recording import Truth
+from wsn_tracking.trackers.estimate import Estimate
+
+__all__ = ['plot_all', 'plot_errors', 'plot_map', 'plot_nees']
+
+
+def plot_all(
+    directory: str | Path,
+    anchors: Anchors,
+    truth: Truth | None,
+    estimates: Mapping[str, Sequence[Estimate]],
+    area: Area | None = None,
+    *,
+    title: str = '',
+    start_ns: int | None = None,
+    skip_s: float = SKIP_S,
+) -> list[Path]:
+    """Write map.png, and where a truth is known error.png and nees.png; the paths that were written."""
+    folder = Path(directory)
+    lead = f'{title}: ' if title else ''
+    written = [folder / 'map.png']
+    plot_map(written[0], anchors, truth, estimates, area, title=f'{lead}truth and estimates')
+    if truth is not None:
+        written += [folder / 'error.png', folder / 'nees.png']
+        plot_errors(
+            written[1], truth, estimates, title=f'{lead}position error', start_ns=start_ns, skip_s=skip_s
+        )
+        plot_nees(
+            written[2],
+            truth,
+            estimates,
+            title=f'{lead}NEES of the position',
+            start_ns=start_ns,
+            skip_s=skip_s,
+        )
+    return written

@@ -1,0 +1,110 @@
+"""A recording through system A without any middleware: what the graph computes, estimator by estimator."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import NamedTuple
+
+from wsn_tracking.evaluation.score import SKIP_S, score
+from wsn_tracking.evaluation.summary import Summary, traffic
+from wsn_tracking.sensing.epochs import NO_LOSS, EpochAssembler
+from wsn_tracking.sensing.recording import Recording
+from wsn_tracking.sensing.stage import SensingStage, TriggerConfig
+from wsn_tracking.sensing.values import Epoch, EpochEnd, Reason, Request, TriggerReport
+from wsn_tracking.trackers.estimate import Estimate
+from wsn_tracking.trackers.estimator import EstimatorConfig, make_estimator
+from wsn_tracking.trackers.fusing import compared
+
+Progress = Callable[[Iterator[Epoch], int], Iterator[Epoch]]
+
+
+class Sensing(NamedTuple):
+    """Parameters of the sensing stage."""
+
+    trigger: TriggerConfig
+    seed: int
+
+
+class Run(NamedTuple):
+    """What came out."""
+
+    estimates: Mapping[str, tuple[Estimate, ...]]  # by output
+    reports: tuple[TriggerReport, ...]
+    epochs: int
+    start_ns: int  # stamp of the first epoch
+    dropped: Mapping[str, int]  # input that was not used, by reason
+
+
+def epochs_of(recording: Recording, target_id: int, counters: Counter[str]) -> Iterator[Epoch]:
+    """The epochs of a recording that has EpochEnds, in order; what they leave out is added to `counters`."""
+    assembler = EpochAssembler(recording.anchors.ids.tolist(), target_id=target_id, loss_timeout=math.inf)
+    for message in recording.messages:
+        if isinstance(message, Request):
+            assembler.request(message, 0.0)
+        elif isinstance(message, (EpochEnd, TriggerReport)):
+            assembler.listing(message, 0.0)
+        else:
+            assembler.measurement(message, 0.0)
+        yield from assembler.closed(0.0)
+    counters.update(assembler.counters)
+
+
+def run_random_q(
+    recording: Recording,
+    sensing: Sensing | None,
+    estimators: Sequence[EstimatorConfig],
+    target_id: int = -1,
+    progress: Progress = lambda epochs, total: epochs,
+) -> Run:
+    """Every estimator's local and fused estimates, beside them what mean and LCI make of the locals."""
+    stage = None if sensing is None else SensingStage(sensing.trigger, recording.anchors, seed=sensing.seed)
+    parts = [(config, *make_estimator(config, recording.anchors)) for config in estimators]
+    others = compared(estimators[0].fusion) if len(estimators) > 1 else ()
+    estimates: dict[str, list[Estimate]] = {}
+    reports: list[TriggerReport] = []
+    counters: Counter[str] = Counter(recording.dropped)
+    total = sum(isinstance(message, EpochEnd) for message in recording.messages)
+    count, start_ns = 0, 0
+    for epoch in progress(epochs_of(recording, target_id, counters), total):
+        start_ns, count = (start_ns if count else epoch.stamp_ns), count + 1
+        ranged = epoch
+        if stage is not None:
+            sensed = stage.step(epoch)
+            reports.append(sensed.report)
+            ranged = epoch._replace(measurements=sensed.ranges)
+        locals_ = [
+            local.step(_heard(config, ranged if config.input == 'range' else epoch)) for config, local, _ in parts
+        ]
+        fused = [
+            fuser.step([e for e in locals_ if e.contributors[0] in config.all_peers]) for config, _, fuser in parts
+        ]
+        for (config, local, _), estimate in zip(parts, fused, strict=True):
+            if config.fusion.feedback:
+                local.feed_back(estimate)
+        for estimate in (*locals_, *fused, *(fuser.step(locals_) for fuser in others)):
+            estimates.setdefault(estimate.source, []).append(estimate)
+    if stage is None:
+        reports = [message for message in recording.messages if isinstance(message, TriggerReport)]
+    counters['invalid'] += sum(reason == Reason.INVALID for report in reports for reason in report.reasons)
+    dropped = {reason: n for reason, n in counters.items() if n and reason not in NO_LOSS}
+    return Run({name: tuple(e) for name, e in estimates.items()}, tuple(reports), count, start_ns, dropped)
+
+
+def _heard(config: EstimatorConfig, epoch: Epoch) -> Epoch:
+    """The epoch as an estimator that hears only some nodes has it."""
+    if not config.nodes:
+        return epoch
+    return epoch._replace(measurements=tuple(p for p in epoch.measurements if p.node_id in config.nodes))
+
+
+def summarise(title: str, recording: Recording, run: Run, skip_s: float = SKIP_S) -> Summary:
+    """Score every output against the truth of its target; without a truth there is nothing to score."""
+    scores = {}
+    for name, estimates in run.estimates.items():
+        truth = recording.truth.get(estimates[0].target_id)
+        if truth is not None:
+            scores[name] = score(estimates, truth, skip_s, start_ns=run.start_ns)
+    target = next((e[0].target_id for e in run.estimates.values()), None)
+    return Summary(title, target, run.epochs, scores, run.dropped, traffic(run.reports), skip_s)

@@ -1,0 +1,264 @@
+"""One table a graph: its processes, their parameters, what they take and give.
+
+The launch files and the command line start what these functions return; the evaluator runs the same plan
+without any process. Nothing here knows ROS beyond names.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+from wsn_tracking.configuration import (
+    Configuration,
+    EstimatorNodeConfig,
+    SensingNodeConfig,
+    Values,
+)
+from wsn_tracking.errors import TrackingError
+from wsn_tracking.parameters import build
+from wsn_tracking.sensing.recording import Recording
+
+REPLAY_TIMEOUT = 20.0  # [s] steady time; in replay nothing is lost, so this only tells a broken feed
+REPLAY_FUSION_TIMEOUT = 2.0  # [s] a peer that has died; never reached by one that lives
+
+
+class Process(NamedTuple):
+    """One process of a graph; topics are relative names."""
+
+    executable: str
+    name: str
+    parameters: Mapping[str, Any]
+    takes: tuple[str, ...] = ()
+    gives: tuple[str, ...] = ()
+
+
+class Source(NamedTuple):
+    """What a graph must know of its feed."""
+
+    title: str
+    entry_level: str
+    ids: tuple[int, ...]
+    targets: tuple[int, ...]
+    metadata: Mapping[str, str]
+
+
+class Plan(NamedTuple):
+    """System A on one feed: the parameters of its sensing stage (none where ranges come as such) and estimators."""
+
+    sensing: Values | None
+    estimators: tuple[Values, ...]
+
+    @property
+    def outputs(self) -> tuple[str, ...]:
+        """Names of the estimates, locals first."""
+        ids = [values['id'] for values in self.estimators]
+        return (*(f'local_{i}' for i in ids), *(f'fused_{i}' for i in ids))
+
+
+def source_of(title: str, recording: Recording) -> Source:
+    """What a graph must know of a recording."""
+    return Source(
+        title,
+        recording.entry_level,
+        tuple(recording.anchors.ids.tolist()),
+        tuple(sorted({m.target_id for m in recording.messages})),
+        recording.metadata,
+    )
+
+
+def plan_random_q(
+    source: Source, configuration: Configuration, settings: Values | None = None, target_id: int = -1
+) -> Plan:
+    """Parameters of every node: the feed's own first, then the configuration's, then `settings`; all checked."""
+    base = {**_from_metadata(source), 'target_id': target_id}
+    given = settings or {}
+
+    def values(node: str, **fixed: Any) -> dict[str, Any]:
+        return {**base, **configuration.of(node), **given, **fixed}
+
+    peers = build(EstimatorNodeConfig, values('estimator')).all_peers
+    estimators = []
+    for number in peers:
+        chosen = values(f'estimator_{number}', id=number, peers=list(peers))
+        chosen['input'] = _input(source.entry_level, build(EstimatorNodeConfig, chosen).checked().input)
+        estimators.append(chosen)
+    inputs = {chosen['input'] for chosen in estimators}
+    if source.entry_level == 'rssi' and 'range' in inputs:
+        sensing = values('sensing_node')
+        build(SensingNodeConfig, sensing).trigger.strategy()
+        return Plan(sensing, tuple(estimators))
+    return Plan(None, tuple(estimators))
+
+
+def _input(entry_level: str, wanted: str) -> str:
+    if entry_level == 'observation':
+        raise TrackingError('system random_q takes rssi or range, the bag holds observation')
+    if wanted == 'rssi' and entry_level == 'range':
+        raise TrackingError('`input` is rssi, but the bag enters at level range: set `input` to range or auto')
+    return 'range' if wanted == 'auto' else wanted
+
+
+def _from_metadata(source: Source) -> dict[str, Any]:
+    """Parameters that a bag knows of itself."""
+    values: dict[str, Any] = {}
+    try:
+        if 'area' in source.metadata:
+            values['area'] = [float(edge) for edge in source.metadata['area'].split()]
+        if 'target_height' in source.metadata:
+            values['target_height'] = float(source.metadata['target_height'])
+        if 'period' in source.metadata:
+            values['fusion_timeout'] = 0.2 * float(source.metadata['period'])
+    except ValueError as error:
+        raise TrackingError(f'{source.title}: its metadata {dict(source.metadata)} holds no number: {error}') from error
+    return values
+
+
+# ---- the graph over it
+
+
+def random_q_graph(
+    source: Source,
+    plan: Plan,
+    feed: Process,
+    *,
+    replay: bool,
+    evaluator: Values | None = None,
+    record: Values | None = None,
+    one_process_each: bool = False,
+) -> tuple[Process, ...]:
+    """Feed, sensing nodes (in one process, or one each), estimators, evaluator, and a recorder where asked for.
+
+    replay: nothing may be lost, and the timeouts say so.
+    """
+    exact = {'lossless': True, 'loss_timeout': REPLAY_TIMEOUT, 'fusion_timeout': REPLAY_FUSION_TIMEOUT}
+    timing = exact if replay else {}
+    processes = [_sensing(node, plan, timing) for node in _split(source, plan, one_process_each)]
+    numbers = [values['id'] for values in plan.estimators]
+    processes += [_estimator(values, numbers, timing) for values in plan.estimators]
+    if evaluator is not None:
+        processes.append(_evaluator(source, plan, [p.name for p in processes], evaluator))
+    if record is not None:
+        processes.append(_recorder(source, record))
+    window = tuple(f'estimate/fused_{number}' for number in numbers)
+    feeding = {
+        **feed.parameters,
+        'expected_nodes': [process.name for process in processes],
+        'window_topics': list(window),
+    }
+    gives = ('request', 'epoch_end', 'anchors', *_levels(source), *_truths(source))
+    return _matched([*processes, feed._replace(parameters=feeding, takes=window, gives=gives)])
+
+
+def player(bag: str, rate: float) -> Process:
+    """A bag as the feed."""
+    return Process('bag_player_node', 'bag_player', {'bag': bag, 'rate': rate})
+
+
+def world(scenario: str, seed: int, rate: float) -> Process:
+    """A simulated world as the feed."""
+    return Process('world_node', 'world', {'scenario': scenario, 'seed': seed, 'rate': rate})
+
+
+def _levels(source: Source) -> tuple[str, ...]:
+    return (source.entry_level, *(('trigger_report',) if source.entry_level == 'range' else ()))
+
+
+def _truths(source: Source) -> tuple[str, ...]:
+    return tuple(f'truth/target_{target}' for target in source.targets)
+
+
+def _split(source: Source, plan: Plan, one_process_each: bool) -> list[tuple[int, ...]]:
+    """Node ids of each sensing process."""
+    if plan.sensing is None:
+        return []
+    return [(node,) for node in source.ids] if one_process_each else [source.ids]
+
+
+def _sensing(ids: tuple[int, ...], plan: Plan, timing: Values) -> Process:
+    name = f'sensing_{ids[0]}' if len(ids) == 1 else 'sensing'
+    return Process(
+        'sensing_node',
+        name,
+        {**(plan.sensing or {}), **timing, 'ids': list(ids)},
+        takes=('request', 'rssi', 'epoch_end', 'anchors'),
+        gives=('range', 'trigger_report'),
+    )
+
+
+def _estimator(values: Values, numbers: Sequence[int], timing: Values) -> Process:
+    number, measured = values['id'], values['input']
+    reports = ('trigger_report',) if measured == 'range' else ()
+    return Process(
+        'estimator_node',
+        f'estimator_{number}',
+        {**values, **timing},
+        takes=(
+            'request',
+            'epoch_end',
+            'anchors',
+            measured,
+            *reports,
+            *(f'estimate/local_{other}' for other in numbers if other != number),
+        ),
+        gives=(f'estimate/local_{number}', f'estimate/fused_{number}'),
+    )
+
+
+def _evaluator(source: Source, plan: Plan, reporting: Sequence[str], values: Values) -> Process:
+    target = plan.estimators[0].get('target_id', -1)
+    return Process(
+        'evaluator_node',
+        'evaluator',
+        {
+            'outputs': list(plan.outputs),
+            'title': source.title,
+            'target_id': target if target >= 0 else source.targets[0],
+            'expected_reports': list(reporting),
+            **values,
+        },
+        takes=(
+            'epoch_end',
+            'anchors',
+            *(('trigger_report',) if plan.sensing is not None or source.entry_level == 'range' else ()),
+            *_truths(source),
+            *(f'estimate/{output}' for output in plan.outputs),
+        ),
+    )
+
+
+def _recorder(source: Source, values: Values) -> Process:
+    extra = tuple(topic for topic in values.get('extra_topics', ()) if topic)
+    metadata = [f'{key}={value}' for key, value in source.metadata.items()]
+    return Process(
+        'bag_recorder_node',
+        'bag_recorder',
+        {
+            'entry_level': source.entry_level,
+            'targets': list(source.targets),
+            'metadata': metadata or [''],
+            **values,
+        },
+        takes=('anchors', 'request', 'epoch_end', *_levels(source), *_truths(source), *extra),
+    )
+
+
+def _matched(processes: Sequence[Process]) -> tuple[Process, ...]:
+    """Tell every process how many partners each of its topics has, so that it knows when it is ready."""
+    takers = Counter(topic for process in processes for topic in process.takes)
+    givers = Counter(topic for process in processes for topic in process.gives)
+
+    def counts(topics: Sequence[str], partners: Mapping[str, int]) -> list[str]:
+        return [f'{topic}={partners[topic]}' for topic in topics if partners[topic]] or ['']
+
+    return tuple(
+        process._replace(
+            parameters={
+                **process.parameters,
+                'expected_subscribers': counts(process.gives, takers),
+                'expected_publishers': counts(process.takes, givers),
+            }
+        )
+        for process in processes
+    )

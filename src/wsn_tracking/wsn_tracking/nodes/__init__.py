@@ -1,0 +1,1 @@
+"""One file an executable: the only room that knows rclpy."""

@@ -1,0 +1,90 @@
+"""Epoch assembly as nodes use it: messages wait for the anchors, a timer looks at timeouts."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterable
+from typing import Any
+
+from rclpy.node import Node
+
+from wsn_tracking.configuration import AssemblyConfig
+from wsn_tracking.models.anchors import Anchors
+from wsn_tracking.sensing.epochs import NO_LOSS, EpochAssembler
+from wsn_tracking.sensing.values import Epoch
+
+TICK = 0.02  # [s] how often timeouts are looked at
+
+
+class Assembly:
+    """Holds messages until the anchors are known, then assembles epochs and hands them on in order."""
+
+    def __init__(
+        self, node: Node, config: AssemblyConfig, then: Callable[[Epoch], None], anew: Callable[[], None]
+    ) -> None:
+        self._config = config
+        self._then = then
+        self._anew = anew
+        self._assembler: EpochAssembler | None = None
+        self._early: list[tuple[str, Any, float]] = []
+        self._runs = 0
+        self._logger = node.get_logger()
+        self.last_seq = -1
+        node.create_timer(TICK, self.advance)
+
+    def start(self, anchors: Anchors, roster: Iterable[int]) -> None:
+        """The anchors are known: from now on messages count, those that came before included."""
+        self._assembler = EpochAssembler(
+            roster,
+            anchors.ids.tolist(),
+            self._config.target_id,
+            self._config.loss_timeout,
+            self._config.lossless,
+        )
+        early, self._early = self._early, []
+        for method, message, now in early:
+            self.add(method, message, now)
+
+    def add(self, method: str, message: Any, now: float) -> None:
+        """A message: `request`, `measurement` or `listing`."""
+        if self._assembler is None:
+            if len(self._early) < 10_000:
+                self._early.append((method, message, now))
+            return
+        getattr(self._assembler, method)(message, now)
+        self.advance()
+
+    def request(self, message: Any, now: float) -> None:
+        """A Request."""
+        self.add('request', message, now)
+
+    def measurement(self, message: Any, now: float) -> None:
+        """A measurement."""
+        self.add('measurement', message, now)
+
+    def listing(self, message: Any, now: float) -> None:
+        """An EpochEnd or a TriggerReport."""
+        self.add('listing', message, now)
+
+    def advance(self) -> None:
+        """Hand on every epoch that can be closed by now."""
+        if self._assembler is None:
+            return
+        for epoch in self._assembler.closed(time.monotonic()):
+            if self._assembler.runs != self._runs:
+                self._runs = self._assembler.runs
+                self._logger.warning('requests jumped back by more than 1 s: a new run, everything starts anew')
+                self._anew()
+            self.last_seq = epoch.request_seq
+            self._then(epoch)
+
+    @property
+    def counters(self) -> dict[str, int]:
+        """What was used and what was not, the latter under `dropped.` and its reason."""
+        counters = {} if self._assembler is None else self._assembler.counters
+        return {name if name in NO_LOSS else f'dropped.{name}': count for name, count in counters.items()}
+
+    @property
+    def waits_for(self) -> str:
+        """What the oldest open epoch still lacks, in words."""
+        return 'anchors' if self._assembler is None else self._assembler.waits_for

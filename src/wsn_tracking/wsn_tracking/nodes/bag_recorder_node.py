@@ -1,0 +1,83 @@
+"""bag_recorder_node: writes what a replay needs, as it comes, undecoded."""
+
+from __future__ import annotations
+
+import time
+from collections import Counter
+from collections.abc import Mapping
+from typing import Any
+
+from nav_msgs.msg import Odometry
+from rclpy.serialization import deserialize_message
+from wsn_tracking_msgs import msg
+
+from wsn_tracking.bags.types import expected_type
+from wsn_tracking.bags.write import BagWriter
+from wsn_tracking.configuration import RecorderConfig
+from wsn_tracking.errors import TrackingError
+from wsn_tracking.nodes import qos
+from wsn_tracking.nodes.base import OK, Finished, TrackingNode, run
+
+CLASSES = {
+    'nav_msgs/msg/Odometry': Odometry,
+    **{f'wsn_tracking_msgs/msg/{name}': getattr(msg, name) for name in dir(msg) if name[0].isupper()},
+}
+
+
+class BagRecorderNode(TrackingNode[RecorderConfig]):
+    """Subscribes the base topics and one entry level; ends when the feed has ended and all is quiet."""
+
+    def __init__(self) -> None:
+        super().__init__('bag_recorder_node', RecorderConfig)
+        config = self.config
+        entries = dict(entry.partition('=')[::2] for entry in config.metadata if entry)
+        self._writer = BagWriter(config.output, {'entry_level': config.entry_level, **entries})
+        self._counts: Counter[str] = Counter()
+        self._ended = False
+        self._last = time.monotonic()
+        for topic in self._topics():
+            self._record(topic)
+        self.create_timer(0.05, self._finish)
+
+    def _topics(self) -> list[str]:
+        level = [self.config.entry_level, *(['trigger_report'] if self.config.entry_level == 'range' else [])]
+        truths = [f'truth/target_{target}' for target in self.config.targets]
+        extra = [topic for topic in self.config.extra_topics if topic]
+        return ['anchors', 'request', *level, 'epoch_end', *truths, *extra]
+
+    def _record(self, topic: str) -> None:
+        type_name = expected_type(topic)
+        if type_name is None:
+            raise TrackingError(
+                f'topic `{topic}` has no known type: expected rssi, truth/..., estimate/... and the like'
+            )
+
+        def callback(cdr: bytes) -> None:
+            self._last = time.monotonic()
+            self._counts[topic] += 1
+            self._writer.write_raw(topic, type_name, cdr, time.time_ns())
+            if topic == 'epoch_end' and deserialize_message(cdr, msg.EpochEnd).final:
+                self._ended = True
+
+        profile = qos.LATCHED_LAST if topic == 'anchors' else qos.MEASUREMENTS
+        subscription = self.create_subscription(CLASSES[type_name], topic, callback, profile, raw=True)
+        self._matching.subscription(subscription, topic)
+
+    def _finish(self) -> None:
+        if self._ended and time.monotonic() - self._last > self.config.silence:
+            raise Finished
+
+    def destroy_node(self) -> None:
+        """Finalise the bag, whatever ended the node."""
+        self._writer.close()
+        self.get_logger().info(f'{self.config.output}: {dict(self._counts)}')
+        super().destroy_node()
+
+    def state(self) -> tuple[int, str, Mapping[str, Any]]:
+        """Messages written by topic."""
+        return OK, 'recording', dict(self._counts)
+
+
+def main() -> None:
+    """Run the node."""
+    run(BagRecorderNode)

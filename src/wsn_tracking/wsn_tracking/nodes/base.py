@@ -1,0 +1,173 @@
+"""What all nodes share: parameters from a configuration class, anchors, readiness, diagnostics, a clean end."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections import Counter
+from collections.abc import Callable, Mapping
+from typing import Any, Generic, TypeVar
+
+import rclpy
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from rcl_interfaces.msg import ParameterDescriptor
+from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.node import Node
+from rclpy.publisher import Publisher
+from rclpy.qos import QoSProfile
+from rclpy.subscription import Subscription
+from std_msgs.msg import String
+from wsn_tracking_msgs import msg
+
+from wsn_tracking import parameters
+from wsn_tracking.configuration import MatchingConfig
+from wsn_tracking.errors import TrackingError
+from wsn_tracking.models.anchors import Anchors
+from wsn_tracking.nodes import convert, qos
+from wsn_tracking.nodes.matching import Matching
+
+Config = TypeVar('Config')
+OK, WARN, ERROR = DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR
+
+
+class Finished(Exception):
+    """A node has done its work; the exit code says how it went."""
+
+    def __init__(self, code: int = 0) -> None:
+        super().__init__(code)
+        self.code = code
+
+
+class TrackingNode(Node, Generic[Config]):
+    """A node with a configuration, that says when it is ready and, at 1 Hz, how it is."""
+
+    def __init__(self, name: str, kind: type[Config]) -> None:
+        super().__init__(name)
+        self.config: Config = self._declare(kind)
+        self._matching = Matching(self, self._declare(MatchingConfig))
+        self._said_ready = False
+        self._ready = self.create_publisher(String, 'ready', qos.LATCHED)
+        self._diagnostics = self.create_publisher(DiagnosticArray, '/diagnostics', 10)
+        self.anchors: Anchors | None = None
+        self.malformed: Counter[str] = Counter()
+        self._last_input: dict[str, float] = {}
+        self.create_timer(1.0, self.report)
+        self._ready_timer = self.create_timer(0.05, self._check_ready)
+
+    # ---- for subclasses
+
+    def take(
+        self,
+        kind: type[Any],
+        topic: str,
+        value: Callable[[Any], Any],
+        then: Callable[[Any, float], None],
+        profile: QoSProfile,
+    ) -> Subscription:
+        """Subscribe: each message goes to `then` as a value with the steady time; a malformed one is counted."""
+
+        def callback(message: Any) -> None:
+            now = time.monotonic()
+            self._last_input[topic] = now
+            try:
+                arrived = value(message)
+            except TrackingError as error:
+                self.malformed[topic] += 1
+                self.get_logger().warn(f'{topic}: {error}', throttle_duration_sec=5.0)
+                return
+            then(arrived, now)
+
+        return self._matching.subscription(self.create_subscription(kind, topic, callback, profile), topic)
+
+    def give(self, kind: type[Any], topic: str, profile: QoSProfile) -> Publisher:
+        """Publish on a topic that others may wait for."""
+        return self._matching.publisher(self.create_publisher(kind, topic, profile), topic)
+
+    def take_anchors(self) -> None:
+        """Subscribe the latched table; the first one counts until another arrives."""
+        self.take(msg.Anchors, 'anchors', convert.anchors_value, self._hold_anchors, qos.LATCHED_LAST)
+
+    def on_anchors(self, anchors: Anchors) -> None:
+        """A (new) table is held."""
+
+    def is_prepared(self) -> bool:
+        """Whether the node could work if its inputs came; a subclass adds what it needs."""
+        return True
+
+    def state(self) -> tuple[int, str, Mapping[str, Any]]:
+        """Level, sentence and values for /diagnostics."""
+        return OK, 'running', {}
+
+    def report(self) -> None:
+        """Publish one DiagnosticArray."""
+        level, sentence, values = self.state()
+        now = time.monotonic()
+        ages = {f'age of {topic} [s]': f'{now - then:.2f}' for topic, then in self._last_input.items()}
+        wrong = {f'malformed.{topic}': count for topic, count in self.malformed.items()}
+        pairs = {**values, **wrong, **ages}
+        status = DiagnosticStatus(
+            level=level,
+            name=self.get_fully_qualified_name(),
+            message=sentence,
+            hardware_id='',
+            values=[KeyValue(key=k, value=str(v)) for k, v in pairs.items()],
+        )
+        array = DiagnosticArray(status=[status])
+        array.header.stamp = self.get_clock().now().to_msg()
+        self._diagnostics.publish(array)
+
+    # ---- within
+
+    def _declare(self, kind: type[Any]) -> Any:
+        values = {}
+        for spec in parameters.specs(kind):
+            default = list(spec.default) if isinstance(spec.default, tuple) else spec.default
+            descriptor = ParameterDescriptor(
+                description=spec.why,
+                additional_constraints=spec.expected,
+                read_only=True,
+                dynamic_typing=True,
+            )
+            values[spec.name] = self.declare_parameter(spec.name, default, descriptor).value
+        return parameters.build(kind, values)
+
+    def _hold_anchors(self, anchors: Anchors, now: float) -> None:
+        self.anchors = anchors
+        self.on_anchors(anchors)
+
+    def _check_ready(self) -> None:
+        if self.is_prepared() and self._matching.complete():
+            self._ready.publish(String(data=self.get_name()))
+            self._said_ready = True
+            self._ready_timer.cancel()
+
+    @property
+    def waits_for(self) -> str:
+        """What the node still waits for before it is ready, in words; empty when it is."""
+        if self._said_ready:
+            return ''
+        return 'anchors' if not self.is_prepared() else self._matching.missing()
+
+
+def run(make: Callable[[], TrackingNode[Any]]) -> None:
+    """Spin a node until it is finished, interrupted or told to stop; wrong parameters end it with one line."""
+    rclpy.init()
+    code = 0
+    node = None
+    try:
+        node = make()
+        executor = SingleThreadedExecutor()
+        executor.add_node(node)
+        executor.spin()
+    except (KeyboardInterrupt, ExternalShutdownException):
+        pass
+    except Finished as finished:
+        code = finished.code
+    except TrackingError as error:
+        print(f'error: {error}', file=sys.stderr)
+        code = 2
+    finally:
+        if node is not None:
+            node.destroy_node()
+        rclpy.try_shutdown()  # type: ignore[attr-defined]
+    sys.exit(code)

@@ -1,0 +1,160 @@
+"""estimator_node: one estimator of system A, its local filter and its fusion with its peers'."""
+
+from __future__ import annotations
+
+import time
+from collections import deque
+from collections.abc import Mapping
+from typing import Any
+
+from nav_msgs.msg import Odometry
+from wsn_tracking_msgs import msg
+
+from wsn_tracking.configuration import EstimatorNodeConfig
+from wsn_tracking.models.anchors import Anchors
+from wsn_tracking.nodes import convert, qos
+from wsn_tracking.nodes.assembly import TICK, Assembly
+from wsn_tracking.nodes.base import OK, WARN, TrackingNode, run
+from wsn_tracking.sensing.values import Epoch, EpochEnd
+from wsn_tracking.trackers.estimate import Estimate
+from wsn_tracking.trackers.estimator import make_estimator
+from wsn_tracking.trackers.fusing import Fuser
+from wsn_tracking.trackers.gate import FusionGate
+from wsn_tracking.trackers.random_q import LocalEstimator
+
+
+class EstimatorNode(TrackingNode[EstimatorNodeConfig]):
+    """Feeds a LocalEstimator with epochs, publishes its estimates, fuses them with the peers' of the same epoch."""
+
+    def __init__(self) -> None:
+        super().__init__('estimator_node', EstimatorNodeConfig)
+        self.config.checked()
+        config = self.config
+        self._own = config.id
+        self._gate = FusionGate(config.id, config.all_peers, config.fusion_timeout)
+        self._parts: tuple[LocalEstimator, Fuser] | None = None
+        self._queue: deque[Epoch] = deque()
+        self._final_seq: int | None = None
+        self._fused_seq = -1
+        self._assembly = Assembly(self, config, self._enqueue, self._anew)
+        self._local = self._outputs(f'local_{config.id}')
+        self._fused = self._outputs(f'fused_{config.id}')
+        for peer in self._gate.peers:
+            self._take_peer(peer)
+        self._input = ''
+        self._choose_input()
+        self.take(msg.LocationRequest, 'request', convert.request_value, self._assembly.request, qos.MEASUREMENTS)
+        self.take(msg.EpochEnd, 'epoch_end', convert.epoch_end_value, self._end, qos.MEASUREMENTS)
+        self.take_anchors()
+        self.create_timer(TICK, self._advance)
+
+    def _outputs(self, name: str) -> tuple[Any, Any]:
+        return (
+            self.give(msg.TargetEstimate, f'estimate/{name}', qos.ESTIMATES),
+            self.create_publisher(Odometry, f'odometry/{name}', qos.ESTIMATES),
+        )
+
+    def _take_peer(self, peer: int) -> None:
+        def heard(estimate: Estimate, now: float) -> None:
+            self._gate.peer_estimate(peer, estimate)
+            self._advance()
+
+        self.take(msg.TargetEstimate, f'estimate/local_{peer}', convert.peer_value, heard, qos.ESTIMATES)
+
+    def _choose_input(self) -> None:
+        """Subscribe measurements; with `auto`, once somebody publishes them: ranges where there are any."""
+        chosen = self.config.input
+        if chosen == 'auto':
+            offered = [topic for topic in ('range', 'rssi') if self.count_publishers(topic)]
+            if not offered:
+                self._auto = self.create_timer(0.2, self._choose_later)
+                return
+            chosen = offered[0]
+        self._input = chosen
+        if chosen == 'rssi':
+            self.take(msg.RssiMeasurement, 'rssi', convert.rssi_value, self._assembly.measurement, qos.MEASUREMENTS)
+            return
+        self.take(msg.RangeMeasurement, 'range', convert.range_value, self._assembly.measurement, qos.MEASUREMENTS)
+        self.take(msg.TriggerReport, 'trigger_report', convert.report_value, self._assembly.listing, qos.MEASUREMENTS)
+
+    def _choose_later(self) -> None:
+        self.destroy_timer(self._auto)
+        self._choose_input()
+
+    def on_anchors(self, anchors: Anchors) -> None:
+        """Make the filter of the first table."""
+        if self._parts is None:
+            self._parts = make_estimator(self.config, anchors)
+            self._assembly.start(anchors, self._parts[0].table.anchors.ids.tolist())
+
+    def is_prepared(self) -> bool:
+        """Whether the anchors are held and the input is chosen."""
+        return self._parts is not None and bool(self._input)
+
+    def _end(self, end: EpochEnd, now: float) -> None:
+        if end.final:
+            self._final_seq = end.request_seq
+        if end.topic == self._input:
+            self._assembly.listing(end, now)
+
+    def _enqueue(self, epoch: Epoch) -> None:
+        self._queue.append(epoch)
+        self._advance()
+
+    def _advance(self) -> None:
+        """Filter and fuse whatever can be by now; with feedback, a fusion comes before the next filter step."""
+        assert self._parts is not None or not self._queue
+        while self._parts is not None:
+            local, fuser = self._parts
+            fused = self._fuse(local, fuser)
+            held = self.config.fusion.feedback and self._gate.waiting
+            if not self._queue or held:
+                if not fused:
+                    return
+                continue
+            estimate = local.step(self._queue.popleft())
+            self._publish(self._local, estimate)
+            self._gate.own_estimate(estimate, time.monotonic())
+
+    def _fuse(self, local: LocalEstimator, fuser: Fuser) -> bool:
+        ready = self._gate.ready(time.monotonic())
+        for estimates in ready:
+            fused = fuser.step(estimates)
+            if self.config.fusion.feedback:
+                local.feed_back(fused)
+            self._publish(self._fused, fused)
+            self._fused_seq = fused.request_seq
+            if fused.request_seq == self._final_seq:
+                self.report()
+        return bool(ready)
+
+    def _publish(self, outputs: tuple[Any, Any], estimate: Estimate) -> None:
+        outputs[0].publish(convert.estimate_message(estimate))
+        outputs[1].publish(convert.odometry_message(estimate, self.config.target_height))
+
+    def _anew(self) -> None:
+        if self._parts is not None:
+            self._parts[0].reset()
+            self._parts[1].reset()
+        self._gate.reset()
+        self._queue.clear()
+
+    def state(self) -> tuple[int, str, Mapping[str, Any]]:
+        """Counts of input, the peers that are missing, and what is waited for."""
+        absent = self._gate.absent
+        values = {
+            'epoch': self._fused_seq,
+            'input': self._input,
+            'waits for': self.waits_for or self._assembly.waits_for,
+            'absent peers': list(absent),
+            **self._assembly.counters,
+            **self._gate.counters,
+        }
+        if absent:
+            return WARN, f'estimators {list(absent)} have been silent for 3 epochs', values
+        return OK, 'tracking' if self._fused_seq >= 0 else 'no data yet', values
+
+
+def main() -> None:
+    """Run the node."""
+    run(EstimatorNode)

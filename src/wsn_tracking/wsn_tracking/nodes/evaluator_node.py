@@ -1,0 +1,180 @@
+"""evaluator_node: scores estimates against the truth while they come, and prints the table when the feed ends."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections import Counter
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from diagnostic_msgs.msg import DiagnosticArray
+from nav_msgs.msg import Odometry
+from wsn_tracking_msgs import msg
+
+from wsn_tracking.configuration import EvaluatorConfig
+from wsn_tracking.evaluation.report_json import write_json
+from wsn_tracking.evaluation.score import Score, score
+from wsn_tracking.evaluation.summary import Summary, traffic
+from wsn_tracking.evaluation.table import format_table, wants_colour
+from wsn_tracking.models.anchors import Floats
+from wsn_tracking.nodes import convert, qos
+from wsn_tracking.nodes.base import OK, WARN, Finished, TrackingNode, run
+from wsn_tracking.sensing.recording import Truth
+from wsn_tracking.sensing.values import EpochEnd, TriggerReport
+from wsn_tracking.trackers.estimate import Estimate
+from wsn_tracking.trackers.fusing import compared
+
+
+class EvaluatorNode(TrackingNode[EvaluatorConfig]):
+    """Collects one target's truth and estimates; ends with the feed."""
+
+    def __init__(self) -> None:
+        super().__init__('evaluator_node', EvaluatorConfig)
+        config = self.config
+        self._estimates: dict[str, list[Estimate]] = {name: [] for name in config.outputs if name}
+        self._locals = [name for name in self._estimates if name.startswith('local_')]
+        self._compared = compared(config.fusion) if len(self._locals) > 1 else ()
+        self._truth: list[tuple[int, Floats, Floats]] = []
+        self._reports: list[TriggerReport] = []
+        self._ends: set[int] = set()
+        self._final: EpochEnd | None = None
+        self._last = time.monotonic()
+        self._told: dict[str, dict[str, str]] = {}
+        for name in self._estimates:
+            self._take_output(name)
+        self.take(msg.EpochEnd, 'epoch_end', convert.epoch_end_value, self._end, qos.MEASUREMENTS)
+        self.take(msg.TriggerReport, 'trigger_report', convert.report_value, self._reported, qos.MEASUREMENTS)
+        truth = f'truth/target_{config.target_id}'
+        self.take(Odometry, truth, convert.truth_position, self._true, qos.MEASUREMENTS)
+        self.create_subscription(DiagnosticArray, '/diagnostics', self._diagnosed, qos.ESTIMATES)
+        self.take_anchors()
+        self.create_timer(0.05, self._finish)
+
+    def is_prepared(self) -> bool:
+        """Whether the anchors are held."""
+        return self.anchors is not None
+
+    def _take_output(self, name: str) -> None:
+        def heard(estimate: Estimate, now: float) -> None:
+            if estimate.target_id == self.config.target_id:
+                self._last = now
+                self._estimates[name].append(estimate)
+
+        self.take(msg.TargetEstimate, f'estimate/{name}', convert.estimate_value, heard, qos.ESTIMATES)
+
+    def _end(self, end: EpochEnd, now: float) -> None:
+        self._last = now
+        if end.target_id == self.config.target_id:
+            self._ends.add(end.request_seq)
+            self._final = end if end.final else self._final
+
+    def _reported(self, report: TriggerReport, now: float) -> None:
+        if report.target_id == self.config.target_id:
+            self._reports.append(report)
+
+    def _true(self, pose: tuple[int, Floats, Floats], now: float) -> None:
+        self._truth.append(pose)
+
+    def _diagnosed(self, array: DiagnosticArray) -> None:
+        for status in array.status:
+            name = status.name.rpartition('/')[2]
+            self._told[name] = {pair.key: pair.value for pair in status.values}
+
+    def _finish(self) -> None:
+        """The feed has ended: wait for the last outputs and counts, at most `output_timeout`, and tell."""
+        if self._final is None:
+            return
+        missing = [name for name, e in self._estimates.items() if not e or e[-1].request_seq != self._final.request_seq]
+        untold = [
+            name
+            for name in filter(None, self.config.expected_reports)
+            if self._told.get(name, {}).get('epoch') != str(self._final.request_seq)
+        ]
+        if (missing or untold) and time.monotonic() - self._last < self.config.output_timeout:
+            return
+        for name in missing:
+            self.get_logger().warn(f'estimate/{name} did not reach the final epoch {self._final.request_seq}')
+        self._tell()
+        raise Finished(1 if missing else 0)
+
+    def _tell(self) -> None:
+        summary = self._summary()
+        print(format_table(summary, colour=wants_colour(sys.stdout)), flush=True)
+        if self.config.json:
+            write_json(self.config.json, summary)
+        if self.config.plot:
+            self._draw()
+
+    def _draw(self) -> None:
+        from wsn_tracking.evaluation.plots import plot_all  # matplotlib is slow to import, and seldom asked for
+
+        assert self.anchors is not None
+        estimates = {name: e for name, e in self._every_output().items() if e}
+        plot_all(self.config.plot, self.anchors, self._true_track(), estimates, title=self.config.title)
+
+    def _true_track(self) -> Truth | None:
+        if not self._truth:
+            return None
+        stamps = np.array([stamp for stamp, _, _ in self._truth], dtype=np.int64)
+        stamps, first = np.unique(stamps, return_index=True)
+        positions = np.array([position for _, position, _ in self._truth])[first]
+        velocities = np.array([velocity for _, _, velocity in self._truth])[first]
+        return Truth(self.config.target_id, stamps, positions, velocities)
+
+    def _every_output(self) -> dict[str, list[Estimate]]:
+        """The outputs, and beside them what the mean and LCI make of the locals of each epoch."""
+        every = dict(self._estimates)
+        by_seq = [{e.request_seq: e for e in self._estimates[name]} for name in self._locals]
+        common = sorted(set.intersection(*(set(held) for held in by_seq))) if by_seq else []
+        for fuser in self._compared:
+            fuser.reset()
+            every[fuser.source] = [fuser.step([held[seq] for held in by_seq]) for seq in common]
+        return every
+
+    def _summary(self) -> Summary:
+        truth = self._true_track()
+        every = self._every_output()
+        starts = [e[0].stamp_ns for e in every.values() if e]
+        scores: dict[str, Score] = {}
+        for name, estimates in every.items():
+            if truth is not None and estimates:
+                scores[name] = score(estimates, truth, self.config.skip, start_ns=min(starts))
+        return Summary(
+            self.config.title,
+            self.config.target_id,
+            len(self._ends),
+            scores,
+            self._dropped(),
+            traffic(self._reports),
+            self.config.skip,
+        )
+
+    def _dropped(self) -> dict[str, int]:
+        """Input that was not used, as told last: by feed and sensing nodes together, and by the worst estimator."""
+        counts: Counter[str] = Counter()
+        estimators: Counter[str] = Counter()
+        for values in self._told.values():
+            dropped = {k[8:]: int(v) for k, v in values.items() if k.startswith('dropped.')}
+            if 'input' in values:
+                estimators |= Counter(dropped)
+            else:
+                counts.update(dropped)
+        return {reason: n for reason, n in (counts + estimators).items() if n}
+
+    def state(self) -> tuple[int, str, Mapping[str, Any]]:
+        """Running RMSE and NEES of every output."""
+        if not self._truth:
+            waiting = any(self._estimates.values())
+            return (WARN if waiting else OK), 'no truth yet', {}
+        values: dict[str, Any] = {}
+        for name, s in self._summary().outputs.items():
+            values[f'{name}.rmse_m'], values[f'{name}.nees'] = f'{s.rmse_m:.4f}', f'{s.nees:.2f}'
+        share = traffic(self._reports).share
+        return OK, 'scoring', {**values, 'epochs': len(self._ends), 'share sent': f'{share:.3f}'}
+
+
+def main() -> None:
+    """Run the node."""
+    run(EvaluatorNode)

@@ -1,0 +1,156 @@
+"""What world_node and bag_player_node share: they send a recording to the graph, at any rate, and lose nothing.
+
+Nothing is sent before every expected node is ready. The feed stays within a window of epochs ahead of the
+outputs named in `window_topics`, so that no queue grows; at rate 0 the window alone sets the pace.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from typing import Any, TypeVar
+
+from nav_msgs.msg import Odometry
+from rosgraph_msgs.msg import Clock
+from std_msgs.msg import String
+from wsn_tracking_msgs import msg
+
+from wsn_tracking.bags.messages import to_cdr
+from wsn_tracking.bags.playback import Playback, playback
+from wsn_tracking.configuration import FeedConfig
+from wsn_tracking.nodes import convert, qos
+from wsn_tracking.nodes.base import OK, WARN, Finished, TrackingNode
+from wsn_tracking.nodes.progress import Bar
+from wsn_tracking.nodes.window import Window
+from wsn_tracking.sensing.recording import Recording
+
+Config = TypeVar('Config', bound=FeedConfig)
+
+TYPES = {
+    'request': msg.LocationRequest,
+    'rssi': msg.RssiMeasurement,
+    'range': msg.RangeMeasurement,
+    'observation': msg.RangeBearing,
+    'epoch_end': msg.EpochEnd,
+    'trigger_report': msg.TriggerReport,
+}
+TICK = 0.002  # [s]
+
+
+class FeedNode(TrackingNode[Config]):
+    """Sends a recording; exits with 0, or with 1 where an output fell silent."""
+
+    def __init__(self, name: str, kind: type[Config]) -> None:
+        super().__init__(name, kind)
+        self._recording = self.load()
+        self._playback: Playback = playback(self._recording)
+        self._bytes = [to_cdr(event.value, event.stamp_ns) for event in self._playback.events]
+        self._outputs = {topic: self._publisher(topic) for topic in self._topics()}
+        self._clock_output = self.create_publisher(Clock, '/clock', qos.CLOCK)
+        self._sent = 0
+        self._begun: float | None = None
+        self._start = time.monotonic()
+        topics = [topic for topic in self.config.window_topics if topic]
+        self._window = Window(topics, self._playback.epochs, self.config.window, self.config.output_timeout)
+        for topic in topics:
+            self.take(msg.TargetEstimate, topic, convert.estimate_value, self._progress(topic), qos.ESTIMATES)
+        self._awaited = {name for name in self.config.expected_nodes if name}
+        self.create_subscription(String, 'ready', self._heard_ready, qos.LATCHED)
+        self.create_publisher(msg.Anchors, 'anchors', qos.LATCHED_LAST).publish(
+            convert.anchors_message(self._recording.anchors)
+        )
+        self._bar = Bar(len(self._playback.epochs)) if self.config.progress else None
+        self.create_timer(TICK, self._advance)
+
+    def load(self) -> Recording:
+        """The recording to send; TrackingError where there is none."""
+        raise NotImplementedError
+
+    def _topics(self) -> list[str]:
+        return sorted({event.topic for event in self._playback.events} | {'request', 'epoch_end'})
+
+    def _publisher(self, topic: str) -> Any:
+        kind = Odometry if topic.startswith('truth/') else TYPES[topic]
+        return self.give(kind, topic, qos.MEASUREMENTS)
+
+    def _heard_ready(self, message: String) -> None:
+        self._awaited.discard(message.data)
+
+    def _progress(self, topic: str) -> Any:
+        def heard(estimate: Any, now: float) -> None:
+            self._window.heard(topic, estimate.target_id, estimate.request_seq, now)
+            self._advance()
+
+        return heard
+
+    def _advance(self) -> None:
+        """Send whatever is due and inside the window."""
+        now = time.monotonic()
+        if self._begun is None:
+            if not self._may_begin(now):
+                return
+            self._begun = now
+            self._window.begin(now)
+        for topic in self._window.silent(now):
+            self.get_logger().warn(
+                f'{topic} has been silent for {self.config.output_timeout:g} s: going on without waiting for it'
+            )
+        events = self._playback.events
+        while self._sent < len(events):
+            event = events[self._sent]
+            if not self._is_due(event.stamp_ns, now) or not self._window.admits(event.epoch, now):
+                return
+            if event.topic == 'request':
+                self._clock_output.publish(Clock(clock=convert.header(event.stamp_ns).stamp))
+            self._outputs[event.topic].publish(self._bytes[self._sent])
+            self._sent += 1
+            if self._bar is not None:
+                self._bar.reach(event.epoch + 1)
+        if self._window.finished():
+            self.report()
+            self._tell()
+            raise Finished(1 if self._window.given_up else 0)
+
+    def _may_begin(self, now: float) -> bool:
+        if not self._awaited and self._matching.complete():
+            return True
+        if now - self._start > self.config.ready_timeout:
+            self.get_logger().error(
+                f'not begun: after {self.config.ready_timeout:g} s nodes {sorted(self._awaited)} are not ready '
+                f'{self._matching.missing()}'
+            )
+            raise Finished(1)
+        return False
+
+    def _is_due(self, stamp_ns: int, now: float) -> bool:
+        if self.config.rate == 0.0 or self._begun is None:
+            return True
+        elapsed = (stamp_ns - self._playback.events[0].stamp_ns) * 1e-9 / self.config.rate
+        return now - self._begun >= elapsed
+
+    def _tell(self) -> None:
+        sent = ', '.join(f'{count} {topic}' for topic, count in self._counts().items())
+        self.get_logger().info(f'sent {len(self._playback.epochs)} epochs: {sent}')
+
+    def destroy_node(self) -> None:
+        """Leave the terminal as it was."""
+        if self._bar is not None:
+            self._bar.close()
+        super().destroy_node()
+
+    def _counts(self) -> dict[str, int]:
+        counts = dict.fromkeys(self._outputs, 0)
+        for event in self._playback.events[: self._sent]:
+            counts[event.topic] += 1
+        return counts
+
+    def state(self) -> tuple[int, str, Mapping[str, Any]]:
+        """What was sent, and what is waited for."""
+        if self._begun is None:
+            waits = f'waits for {sorted(self._awaited)} {self._matching.missing()}'
+            return OK, waits, {'epochs': len(self._playback.epochs)}
+        dropped = {f'dropped.{reason}': count for reason, count in self._recording.dropped.items()}
+        values = {'sent messages': self._sent, 'of': len(self._playback.events), **self._window.state(), **dropped}
+        if self._window.given_up:
+            return WARN, f'silent outputs: {sorted(self._window.given_up)}', values
+        return OK, 'sending', values

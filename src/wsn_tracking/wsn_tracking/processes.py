@@ -1,0 +1,114 @@
+"""Start the processes of a graph from a plain shell, and end them again."""
+
+from __future__ import annotations
+
+import math
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from wsn_tracking.configuration import EXECUTABLES, Values
+from wsn_tracking.errors import TrackingError
+from wsn_tracking.graphs import Process
+from wsn_tracking.parameters import specs
+
+GRACE = 5.0  # [s] a process may take to end when it is asked to
+POLL = 0.05  # [s]
+FEEDS = ('bag_player', 'world')
+
+
+def command(process: Process, parameters: Path) -> list[str]:
+    """What starts a process as `ros2 run` would, with a parameter file of its own."""
+    return [
+        str(executable(process.executable)),
+        '--ros-args',
+        '-r',
+        f'__node:={process.name}',
+        '--params-file',
+        str(parameters),
+    ]
+
+
+def executable(name: str) -> Path:
+    """The installed executable of that name."""
+    for prefix in filter(None, os.environ.get('AMENT_PREFIX_PATH', '').split(os.pathsep)):
+        path = Path(prefix, 'lib', 'wsn_tracking', name)
+        if path.is_file():
+            return path
+    raise TrackingError(f'{name} is not installed: build the workspace and source its setup file (`. ./env`)')
+
+
+def declared(process: Process) -> Values:
+    """The parameters that the executable knows, of all that a configuration gives."""
+    from_class = {spec.name for spec in specs(EXECUTABLES[process.executable])}
+    known = from_class | {'expected_subscribers', 'expected_publishers'}
+    return {k: v for k, v in process.parameters.items() if k in known}
+
+
+def write_parameters(process: Process, folder: Path) -> Path:
+    """A ROS 2 parameter file for one process."""
+    path = folder / f'{process.name}.yaml'
+    values = {name: _plain(value) for name, value in declared(process).items()}
+    content = {'/**': {'ros__parameters': {k: v for k, v in values.items() if v != []}}}
+    path.write_text(yaml.safe_dump(content), 'utf-8')
+    return path
+
+
+def run_graph(processes: Sequence[Process], last: Sequence[str]) -> int:
+    """Start all, wait until those named in `last` have ended, end the others; the worst exit code.
+
+    A process that ends on its own with an error is named; the graph goes on without it.
+    """
+    with tempfile.TemporaryDirectory(prefix='wsn_tracking_') as folder:
+        running = {p.name: _start(p, Path(folder)) for p in processes}
+        try:
+            return _wait(running, last)
+        finally:
+            _end(running)
+
+
+def _start(process: Process, folder: Path) -> subprocess.Popen[bytes]:
+    # a session of its own: the shell's Ctrl-C reaches this program alone, which then ends all in order
+    return subprocess.Popen(command(process, write_parameters(process, folder)), start_new_session=True)
+
+
+def _wait(running: dict[str, subprocess.Popen[bytes]], last: Sequence[str]) -> int:
+    codes: dict[str, int] = {}
+    given_up = math.inf
+    while not codes.keys() >= set(last) and time.monotonic() < given_up:
+        time.sleep(POLL)
+        for name, process in running.items():
+            code = process.poll()
+            if code is None or name in codes:
+                continue
+            codes[name] = code
+            if code:
+                print(f'{name} ended with code {code}', file=sys.stderr)
+                if name in FEEDS:  # nothing will come any more: whoever waits for it gets a grace
+                    given_up = time.monotonic() + 2.0 * GRACE
+    return max((abs(code) for code in codes.values()), default=1)
+
+
+def _end(running: dict[str, subprocess.Popen[bytes]]) -> None:
+    alive = [process for process in running.values() if process.poll() is None]
+    for process in alive:
+        process.send_signal(signal.SIGINT)
+    deadline = time.monotonic() + GRACE
+    for process in alive:
+        try:
+            process.wait(max(deadline - time.monotonic(), 0.1))
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait()
+
+
+def _plain(value: Any) -> Any:
+    return list(value) if isinstance(value, tuple) else value

@@ -1,0 +1,40 @@
+"""A bag in memory."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wsn_tracking.models.anchors import Anchors, Floats
+from wsn_tracking.sensing.values import EpochEnd, Measurement, Request, TriggerReport
+
+Message = Request | Measurement | EpochEnd | TriggerReport
+
+
+class Truth(NamedTuple):
+    """Where a target really was, ascending in time."""
+
+    target_id: int
+    stamps_ns: NDArray[np.int64]  # (K,)
+    positions: Floats  # (K, 3) [m], frame map
+    velocities: Floats  # (K, 3) [m/s], frame map; NaN: not recorded
+
+
+class Recording(NamedTuple):
+    """What a bag holds for a tracker and for its judge.
+
+    `entry_level` is the one level at which measurements enter: rssi, range or observation.
+    `messages` are in the order of the log. `metadata` holds entry_level, and where known: area
+    ("x_min y_min x_max y_max" [m]), target_height ([m]), period ([s]), configuration, scenario, seed, source.
+    `dropped` counts what the reader could not use, by reason.
+    """
+
+    anchors: Anchors
+    entry_level: str
+    messages: tuple[Message, ...]
+    truth: Mapping[int, Truth]
+    metadata: Mapping[str, str]
+    dropped: Mapping[str, int]
