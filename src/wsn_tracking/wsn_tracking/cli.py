@@ -4,28 +4,21 @@ from __future__ import annotations
 
 import argparse
 import sys
+import tempfile
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
 from wsn_tracking import graphs
-from wsn_tracking.bags.epochs import with_epoch_ends
 from wsn_tracking.bags.read import read
 from wsn_tracking.configuration import (
-    Configuration,
-    EstimatorNodeConfig,
-    SensingNodeConfig,
     Values,
     configuration_names,
-    load_configuration,
     parse_setting,
 )
 from wsn_tracking.errors import TrackingError
-from wsn_tracking.parameters import build
 from wsn_tracking.sensing.recording import Recording
 from wsn_tracking.simulation.scenarios import SCENARIOS
-
-DEFAULT_CONFIGURATION = 'random_q'
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
@@ -59,10 +52,29 @@ def _simulate(options: argparse.Namespace) -> int:
     from wsn_tracking.simulation.record import record
     from wsn_tracking.simulation.scenarios import scenario
 
+    if options.live:
+        return _simulate_live(options)
     recording = record(scenario(options.scenario), options.seed)
     save(options.output, recording)
     print(f'{options.output}: {options.scenario}, seed {options.seed}, {len(recording.messages)} messages')
     return 0
+
+
+def _simulate_live(options: argparse.Namespace) -> int:
+    """Record what the world sends through the real graph, then write it anew with zero padding and its own stamps."""
+    from wsn_tracking.bags.rewrite import canonical
+    from wsn_tracking.processes import run_graph
+    from wsn_tracking.simulation.record import START_NS
+
+    with tempfile.TemporaryDirectory(prefix='wsn_tracking_') as folder:
+        raw = Path(folder, Path(options.output).name)
+        processes = graphs.simulation(
+            options.scenario, options.seed, rate=0.0, start_stamp=START_NS * 1e-9, record=str(raw)
+        )
+        code = run_graph(processes, ['evaluator', 'bag_recorder'])
+        if code == 0:
+            canonical(raw, options.output)
+    return code
 
 
 def _import(options: argparse.Namespace) -> int:
@@ -78,14 +90,22 @@ def _evaluate(options: argparse.Namespace) -> int:
     from wsn_tracking.evaluation.report_json import write_json
     from wsn_tracking.evaluation.run import summarise
     from wsn_tracking.evaluation.table import format_tables, wants_colour
+    from wsn_tracking.offline import offline
 
     summaries = []
     for bag in options.bags:
-        recording, plan = _planned(bag, options)
-        run = _run(bag, recording, plan, options)
-        summaries.append(summarise(_title(bag), recording, run, options.skip))
+        source, recording = graphs.open_bag(bag, options.namespace)
+        run = offline(
+            source,
+            recording,
+            options.config or '',
+            _settings(options),
+            options.target,
+            _progress(source.title),
+        )
+        summaries.append(summarise(source.title, recording, run, options.skip))
         if options.plot:
-            folder = Path(options.plot, _title(bag)) if len(options.bags) > 1 else Path(options.plot)
+            folder = Path(options.plot, source.title) if len(options.bags) > 1 else Path(options.plot)
             truth = recording.truth.get(summaries[-1].target_id or 0)
             plot_all(
                 folder,
@@ -93,7 +113,7 @@ def _evaluate(options: argparse.Namespace) -> int:
                 truth,
                 run.estimates,
                 _area(recording),
-                title=_title(bag),
+                title=source.title,
                 start_ns=run.start_ns,
                 skip_s=options.skip,
             )
@@ -105,42 +125,25 @@ def _evaluate(options: argparse.Namespace) -> int:
     return 0 if all(summary.outputs for summary in summaries) else 1
 
 
-def _run(bag: str, recording: Recording, plan: graphs.Plan, options: argparse.Namespace) -> Any:
-    from wsn_tracking.evaluation.run import Sensing, run_random_q
-
-    estimators = [build(EstimatorNodeConfig, values) for values in plan.estimators]
-    sensing = None
-    if plan.sensing is not None:
-        config = build(SensingNodeConfig, plan.sensing)
-        sensing = Sensing(config.trigger, config.seed)
-    return run_random_q(recording, sensing, estimators, options.target, _progress(_title(bag)))
-
-
 def _replay(options: argparse.Namespace) -> int:
     from wsn_tracking.processes import run_graph
 
-    recording, plan = _planned(options.bag, options)
-    source = graphs.source_of(_title(options.bag), recording)
-    feed = graphs.player(str(Path(options.bag).resolve()), options.rate)
-    if sys.stderr.isatty():
-        feed = feed._replace(parameters={**feed.parameters, 'progress': True})
     evaluator: dict[str, Any] = {'skip': options.skip}
     if options.json:
         evaluator['json'] = str(Path(options.json).resolve())
     if options.plot:
         evaluator['plot'] = str(Path(options.plot).resolve())
-    record = None
-    if options.record:
-        extra = [f'estimate/{output}' for output in plan.outputs] if options.derived else ['']
-        record = {'output': str(Path(options.record).resolve()), 'extra_topics': extra}
-    processes = graphs.random_q_graph(
-        source,
-        plan,
-        feed,
-        replay=True,
+    processes = graphs.replay(
+        options.bag,
+        rate=options.rate,
+        configuration=options.config or '',
+        settings=_settings(options),
+        target_id=options.target,
+        namespace=options.namespace,
         evaluator=evaluator,
-        record=record,
+        record={'output': str(Path(options.record).resolve())} if options.record else None,
         one_process_each=options.one_process_each,
+        progress=sys.stderr.isatty(),
     )
     return run_graph(processes, [p.name for p in processes if p.name in ('evaluator', 'bag_recorder')])
 
@@ -148,21 +151,8 @@ def _replay(options: argparse.Namespace) -> int:
 # ---- what they share
 
 
-def _title(bag: str) -> str:
-    return Path(bag).resolve().name
-
-
-def _planned(bag: str, options: argparse.Namespace) -> tuple[Recording, graphs.Plan]:
-    """The bag, complete with epoch ends, and the plan of its nodes."""
-    recording = with_epoch_ends(read(bag, options.namespace))
-    settings: Values = dict(parse_setting(text) for text in options.set)
-    source = graphs.source_of(_title(bag), recording)
-    return recording, graphs.plan_random_q(source, _configuration(recording, options), settings, options.target)
-
-
-def _configuration(recording: Recording, options: argparse.Namespace) -> Configuration:
-    """The one asked for, else the one that the bag names, else the default."""
-    return load_configuration(options.config or recording.metadata.get('configuration') or DEFAULT_CONFIGURATION)
+def _settings(options: argparse.Namespace) -> Values:
+    return dict(parse_setting(text) for text in options.set)
 
 
 def _area(recording: Recording) -> Any:
@@ -233,6 +223,7 @@ def _parser() -> argparse.ArgumentParser:
     )
     simulate.add_argument('scenario', choices=sorted(SCENARIOS), help='experiment')
     simulate.add_argument('--seed', type=_seed, default=0, help='of the radio noise (default: 0)')
+    simulate.add_argument('--live', action='store_true', help='record it through the live graph, not directly')
     simulate.add_argument('-o', '--output', required=True, help='folder to write; it must not exist')
 
     imports = add(
@@ -268,7 +259,6 @@ def _parser() -> argparse.ArgumentParser:
     _add_tracking(replay)
     replay.add_argument('--rate', type=_rate, default=1.0, help='multiple of real time, or max (default: 1)')
     replay.add_argument('--record', metavar='FOLDER', help='record what a replay needs into a new bag')
-    replay.add_argument('--derived', action='store_true', help='with --record: the estimates as well')
     replay.add_argument('--one-process-each', action='store_true', help='a process for every sensing node')
     return parser
 

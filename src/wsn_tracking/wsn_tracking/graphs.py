@@ -8,20 +8,27 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any, NamedTuple
 
+from wsn_tracking.bags.epochs import with_epoch_ends
+from wsn_tracking.bags.read import read
 from wsn_tracking.configuration import (
     Configuration,
     EstimatorNodeConfig,
     SensingNodeConfig,
     Values,
+    load_configuration,
 )
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.parameters import build
 from wsn_tracking.sensing.recording import Recording
+from wsn_tracking.simulation.record import record as record_scenario
+from wsn_tracking.simulation.scenarios import scenario
 
-REPLAY_TIMEOUT = 20.0  # [s] steady time; in replay nothing is lost, so this only tells a broken feed
-REPLAY_FUSION_TIMEOUT = 2.0  # [s] a peer that has died; never reached by one that lives
+DEFAULT = 'random_q'  # configuration
+LOSS_TIMEOUT = 20.0  # [s] steady time; a feed that waits loses nothing, so this only tells a broken one
+FUSION_TIMEOUT = 2.0  # [s] a peer that has died; never reached by one that lives
 
 
 class Process(NamedTuple):
@@ -40,7 +47,7 @@ class Source(NamedTuple):
     title: str
     entry_level: str
     ids: tuple[int, ...]
-    targets: tuple[int, ...]
+    targets: tuple[int, ...]  # in the order of their first message
     metadata: Mapping[str, str]
 
 
@@ -57,28 +64,41 @@ class Plan(NamedTuple):
         return (*(f'local_{i}' for i in ids), *(f'fused_{i}' for i in ids))
 
 
+def open_bag(bag: str, namespace: str | None = None) -> tuple[Source, Recording]:
+    """A bag with an EpochEnd for every epoch, and what a graph must know of it."""
+    recording = with_epoch_ends(read(bag, namespace))
+    return source_of(Path(bag).resolve().name, recording), recording
+
+
 def source_of(title: str, recording: Recording) -> Source:
     """What a graph must know of a recording."""
     return Source(
         title,
         recording.entry_level,
         tuple(recording.anchors.ids.tolist()),
-        tuple(sorted({m.target_id for m in recording.messages})),
+        tuple(dict.fromkeys(m.target_id for m in recording.messages)),
         recording.metadata,
     )
 
 
 def plan_random_q(
-    source: Source, configuration: Configuration, settings: Values | None = None, target_id: int = -1
+    source: Source, configuration: Configuration | str = '', settings: Values | None = None, target_id: int = -1
 ) -> Plan:
-    """Parameters of every node: the feed's own first, then the configuration's, then `settings`; all checked."""
+    """Parameters of every node: the feed's own first, then the configuration's, then `settings`; all checked.
+
+    A configuration by name or path; empty: the one that the feed names, else random_q.
+    """
+    if isinstance(configuration, str):
+        configuration = load_configuration(configuration or source.metadata.get('configuration') or DEFAULT)
     base = {**_from_metadata(source), 'target_id': target_id}
     given = settings or {}
 
     def values(node: str, **fixed: Any) -> dict[str, Any]:
         return {**base, **configuration.of(node), **given, **fixed}
 
-    peers = build(EstimatorNodeConfig, values('estimator')).all_peers
+    peers = sorted(build(EstimatorNodeConfig, values('estimator')).peers)
+    if not peers:
+        raise TrackingError('`peers` is empty: expected the number of at least one estimator')
     estimators = []
     for number in peers:
         chosen = values(f'estimator_{number}', id=number, peers=list(peers))
@@ -118,6 +138,66 @@ def _from_metadata(source: Source) -> dict[str, Any]:
 # ---- the graph over it
 
 
+def replay(
+    bag: str,
+    *,
+    rate: float = 1.0,
+    configuration: str = '',
+    settings: Values | None = None,
+    target_id: int = -1,
+    namespace: str | None = None,
+    evaluator: Values | None = None,
+    record: Values | None = None,
+    one_process_each: bool = False,
+    progress: bool = False,
+) -> tuple[Process, ...]:
+    """A bag through the live graph of system A; rate 0 is as fast as it goes."""
+    source, _ = open_bag(bag, namespace)
+    plan = plan_random_q(source, configuration, settings, target_id)
+    feed = Process(
+        'bag_player_node',
+        'bag_player',
+        {'bag': str(Path(bag).resolve()), 'rate': rate, 'namespace': namespace or '', 'progress': progress},
+    )
+    return random_q_graph(
+        source,
+        plan,
+        feed,
+        replay=True,
+        evaluator=evaluator or {},
+        record=record,
+        one_process_each=one_process_each,
+    )
+
+
+def simulation(
+    name: str,
+    seed: int = 0,
+    *,
+    rate: float = 1.0,
+    start_stamp: float = 0.0,
+    configuration: str = '',
+    settings: Values | None = None,
+    evaluator: Values | None = None,
+    record: str = '',
+    one_process_each: bool = False,
+) -> tuple[Process, ...]:
+    """A simulated world and the live graph of system A; the world sends as slowly as the graph needs."""
+    simulated = scenario(name)
+    source = source_of(name, record_scenario(simulated, seed))
+    plan = plan_random_q(source, configuration, settings)
+    feed = Process('world_node', 'world', {'scenario': name, 'seed': seed, 'rate': rate, 'start_stamp': start_stamp})
+    return random_q_graph(
+        source,
+        plan,
+        feed,
+        replay=False,
+        evaluator=evaluator or {},
+        record={'output': str(Path(record).resolve())} if record else None,
+        one_process_each=one_process_each,
+    )
+
+
 def random_q_graph(
     source: Source,
     plan: Plan,
@@ -130,10 +210,9 @@ def random_q_graph(
 ) -> tuple[Process, ...]:
     """Feed, sensing nodes (in one process, or one each), estimators, evaluator, and a recorder where asked for.
 
-    replay: nothing may be lost, and the timeouts say so.
+    Both feeds wait for the graph, so no timeout of a live network applies; in replay, what is missing is an error.
     """
-    exact = {'lossless': True, 'loss_timeout': REPLAY_TIMEOUT, 'fusion_timeout': REPLAY_FUSION_TIMEOUT}
-    timing = exact if replay else {}
+    timing = {'lossless': replay, 'loss_timeout': LOSS_TIMEOUT, 'fusion_timeout': FUSION_TIMEOUT}
     processes = [_sensing(node, plan, timing) for node in _split(source, plan, one_process_each)]
     numbers = [values['id'] for values in plan.estimators]
     processes += [_estimator(values, numbers, timing) for values in plan.estimators]
@@ -149,16 +228,6 @@ def random_q_graph(
     }
     gives = ('request', 'epoch_end', 'anchors', *_levels(source), *_truths(source))
     return _matched([*processes, feed._replace(parameters=feeding, takes=window, gives=gives)])
-
-
-def player(bag: str, rate: float) -> Process:
-    """A bag as the feed."""
-    return Process('bag_player_node', 'bag_player', {'bag': bag, 'rate': rate})
-
-
-def world(scenario: str, seed: int, rate: float) -> Process:
-    """A simulated world as the feed."""
-    return Process('world_node', 'world', {'scenario': scenario, 'seed': seed, 'rate': rate})
 
 
 def _levels(source: Source) -> tuple[str, ...]:

@@ -100,7 +100,7 @@ def dump_yaml(data: Any) -> str:
 def load_yaml(text: str) -> Any:
     """Plain data; whatever the parser stumbles over is a TrackingError."""
     try:
-        return YAML(typ='safe', pure=True).load(text)
+        return YAML(typ='safe').load(text)
     except (YAMLError, ValueError, TypeError, KeyError, IndexError, AttributeError, RecursionError) as error:
         raise TrackingError(f'not YAML: {str(error).splitlines()[0]}') from error
 

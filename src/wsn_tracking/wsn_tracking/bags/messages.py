@@ -70,7 +70,8 @@ def to_cdr(value: object, log_ns: int) -> bytes:
         message = _build(name, {'header': header, **fields})
         return bytes(typestore().serialize_cdr(message, name))
     except (struct.error, SerdeError, ValueError, TypeError, OverflowError, AttributeError) as error:
-        raise TrackingError(f'{value!r} does not fit into {name}: {error}') from error
+        shown = ' '.join(repr(value).split())
+        raise TrackingError(f'{shown[:160]} does not fit into {name}: {error}') from error
 
 
 def _fields_of(value: Any) -> dict[str, Any]:

@@ -73,7 +73,7 @@ def _read(path: Path, namespace: str | None) -> Recording:
     dropped = Counter(log.dropped)
     topics = own_channels(log, dropped)
     chosen = in_namespace(topics, namespace, path)
-    level = entry_level(path, log, metadata, chosen)
+    level = entry_level(path, log.topics, metadata, chosen, dropped)
     use = {'request', 'epoch_end', level} | ({'trigger_report'} if level == 'range' else set())
     for row, name in chosen.items():
         if name in FLOW and name not in use:

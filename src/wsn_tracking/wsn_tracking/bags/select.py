@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -64,7 +64,13 @@ def in_namespace(topics: Mapping[int, tuple[str, str]], wanted: str | None, path
     return dict(sorted(rows.items()))
 
 
-def entry_level(path: Path, log: RawLog, metadata: Mapping[str, str], chosen: Mapping[int, str]) -> str:
+def entry_level(
+    path: Path,
+    topics: Sequence[RawTopic],
+    metadata: Mapping[str, str],
+    chosen: Mapping[int, str],
+    dropped: Mapping[str, int],
+) -> str:
     """The level that the metadata name, else the first of ENTRY_LEVELS that has a topic."""
     said = metadata.get('entry_level')
     if said is not None and said not in ENTRY_LEVELS:
@@ -72,10 +78,10 @@ def entry_level(path: Path, log: RawLog, metadata: Mapping[str, str], chosen: Ma
     present = [level for level in ENTRY_LEVELS if level in chosen.values()]
     flow = any(name in FLOW for name in chosen.values())
     if (said is None and not present) or not flow:
-        seen = sorted(f'{raw.topic} ({raw.type_name})' for raw in log.topics)[:8]
+        seen = sorted(ascii(f'{raw.topic} ({raw.type_name})')[1:-1] for raw in topics)[:8]
         raise TrackingError(
             f'{path} holds no measurements: a topic rssi, range or observation of wsn_tracking_msgs is '
-            f'expected, seen were {", ".join(seen) or "no topics"}{losses(log.dropped)}'
+            f'expected, seen were {", ".join(seen) or "no topics"}{losses(dropped)}'
         )
     return said or present[0]
 
@@ -103,7 +109,7 @@ def check_definition(raw: RawTopic) -> None:
         if name not in ours or [*fields] != [*ours[name][1]]:
             expected = [field for field, _ in ours[name][1]] if name in ours else 'no such type'
             raise TrackingError(
-                f'{name} has the fields {[field for field, _ in fields]} in the bag (topic {raw.topic}), '
+                f'{name} has the fields {[field for field, _ in fields]} in the bag (topic {raw.topic!r}), '
                 f'expected {expected}, of equal types: it was recorded with another version of the messages'
             )
     if raw.type_name not in types:

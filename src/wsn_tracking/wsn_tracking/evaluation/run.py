@@ -37,6 +37,11 @@ class Run(NamedTuple):
     dropped: Mapping[str, int]  # input that was not used, by reason
 
 
+def silent(epochs: Iterator[Epoch], total: int) -> Iterator[Epoch]:
+    """No progress is shown."""
+    return epochs
+
+
 def epochs_of(recording: Recording, target_id: int, counters: Counter[str]) -> Iterator[Epoch]:
     """The epochs of a recording that has EpochEnds, in order; what they leave out is added to `counters`."""
     assembler = EpochAssembler(recording.anchors.ids.tolist(), target_id=target_id, loss_timeout=math.inf)
@@ -56,7 +61,7 @@ def run_random_q(
     sensing: Sensing | None,
     estimators: Sequence[EstimatorConfig],
     target_id: int = -1,
-    progress: Progress = lambda epochs, total: epochs,
+    progress: Progress = silent,
 ) -> Run:
     """Every estimator's local and fused estimates, beside them what mean and LCI make of the locals."""
     stage = None if sensing is None else SensingStage(sensing.trigger, recording.anchors, seed=sensing.seed)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 import sys
 import time
 from collections import Counter
@@ -167,6 +168,8 @@ def run(make: Callable[[], TrackingNode[Any]]) -> None:
         print(f'error: {error}', file=sys.stderr)
         code = 2
     finally:
+        for number in (signal.SIGINT, signal.SIGTERM):  # the end has begun: a second request must not break it
+            signal.signal(number, signal.SIG_IGN)
         if node is not None:
             node.destroy_node()
         rclpy.try_shutdown()  # type: ignore[attr-defined]

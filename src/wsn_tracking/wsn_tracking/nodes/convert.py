@@ -132,12 +132,12 @@ def anchors_value(m: msg.Anchors) -> Anchors:
     return make_anchors(m.ids, positions, **{name: np.asarray(getattr(m, name)) for name in columns[3:]})
 
 
-def anchors_message(a: Anchors) -> msg.Anchors:
-    """The message of a table."""
+def anchors_message(a: Anchors, ns: int) -> msg.Anchors:
+    """The message of a table, stamped with the start of what it belongs to."""
     check(a)
     radio = {name: getattr(a, name).tolist() for name in ('p1_dbm', 'd0', 'n', 'sigma_db', 'bias', 'scale')}
     x, y, z = a.positions.T.tolist()
-    return msg.Anchors(header=header(0), ids=a.ids.tolist(), x=x, y=y, z=z, **radio)
+    return msg.Anchors(header=header(ns), ids=a.ids.tolist(), x=x, y=y, z=z, **radio)
 
 
 def estimate_value(m: msg.TargetEstimate) -> Estimate:

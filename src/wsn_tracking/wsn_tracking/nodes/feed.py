@@ -44,6 +44,7 @@ class FeedNode(TrackingNode[Config]):
         super().__init__(name, kind)
         self._recording = self.load()
         self._playback: Playback = playback(self._recording)
+        self._first_ns = self._playback.events[0].stamp_ns if self._playback.events else 0
         self._bytes = [to_cdr(event.value, event.stamp_ns) for event in self._playback.events]
         self._outputs = {topic: self._publisher(topic) for topic in self._topics()}
         self._clock_output = self.create_publisher(Clock, '/clock', qos.CLOCK)
@@ -57,7 +58,7 @@ class FeedNode(TrackingNode[Config]):
         self._awaited = {name for name in self.config.expected_nodes if name}
         self.create_subscription(String, 'ready', self._heard_ready, qos.LATCHED)
         self.create_publisher(msg.Anchors, 'anchors', qos.LATCHED_LAST).publish(
-            convert.anchors_message(self._recording.anchors)
+            convert.anchors_message(self._recording.anchors, self._first_ns)
         )
         self._bar = Bar(len(self._playback.epochs)) if self.config.progress else None
         self.create_timer(TICK, self._advance)
@@ -125,7 +126,7 @@ class FeedNode(TrackingNode[Config]):
     def _is_due(self, stamp_ns: int, now: float) -> bool:
         if self.config.rate == 0.0 or self._begun is None:
             return True
-        elapsed = (stamp_ns - self._playback.events[0].stamp_ns) * 1e-9 / self.config.rate
+        elapsed = (stamp_ns - self._first_ns) * 1e-9 / self.config.rate
         return now - self._begun >= elapsed
 
     def _tell(self) -> None:

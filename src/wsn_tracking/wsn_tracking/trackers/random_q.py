@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TypeVar
 
 import numpy as np
 from typing_extensions import Self
@@ -29,7 +28,7 @@ from wsn_tracking.sensing.stage import USABLE_DBM
 from wsn_tracking.sensing.values import Epoch, Modality, Range, Rssi
 from wsn_tracking.trackers.estimate import Estimate, Kind
 
-Checked = TypeVar('Checked', bound='RandomQConfig')
+ESTIMATORS = 2**33  # estimators draw from streams of their own: ESTIMATORS + number; sensing nodes from that of their id
 
 
 @dataclass(frozen=True)
@@ -163,10 +162,14 @@ class MeasurementTable:
             if isinstance(p, Range):
                 z[row], variance[row] = p.range, p.variance
         from_rssi = bool(kept) and all(isinstance(p, Range) and p.modality == Modality.RSSI for _, p in kept)
-        return *self._ranges(z, np.sqrt(variance), from_rssi), ids
+        return *self.ranges(z, np.sqrt(variance), from_rssi), ids
 
-    def _ranges(self, z: Floats, told: Floats, from_rssi: bool) -> tuple[Floats, Function, Function]:
-        """A range from RSSI has an error that grows with it; any other has the one that came along, (N,) [m]."""
+    def ranges(self, z: Floats, told: Floats, from_rssi: bool) -> tuple[Floats, Function, Function]:
+        """What the filter updates with, h and noise root, for ranges z and told noise roots, both (..., N) [m].
+
+        NaN in z: not heard; in `told`: not known. A range from RSSI has an error that grows with it; any other has
+        the one that came along.
+        """
         h = self._range
         default = relative_range_std(self.anchors) * z if from_rssi else self._update.range_std
         std = np.where(np.isnan(told), default, told)
@@ -174,7 +177,7 @@ class MeasurementTable:
             return np.log(z), self._log_range, constant_noise(std / z)
         if from_rssi and self._update.r == 'predicted':
             share = std / z
-            return z, h, lambda x: share * h(x)
+            return z, h, lambda x: share[..., None, :] * h(x)
         return z, h, constant_noise(std)
 
 
@@ -206,7 +209,7 @@ class LocalEstimator:
     def draw(self, epoch: int) -> float:
         """q ~ U[q_min, q_max] of this estimator in that epoch."""
         noise = self.config.noise
-        return float(keyed(self.config.seed, self.number, epoch).uniform(noise.q_min, noise.q_max))
+        return float(keyed(self.config.seed, ESTIMATORS + self.number, epoch).uniform(noise.q_min, noise.q_max))
 
     def step(self, epoch: Epoch) -> Estimate:
         """Predict to the epoch and update with what it holds; an empty epoch predicts."""

@@ -1,0 +1,43 @@
+"""A simulated world, twelve sensing nodes, three estimators and the evaluator: system A, live.
+
+ros2 launch wsn_tracking random_q.launch.py scenario:=a_loop seed:=1 rate:=5.0
+"""
+
+from launch.actions import DeclareLaunchArgument, OpaqueFunction
+from launch.substitutions import LaunchConfiguration
+
+from launch import LaunchDescription
+from wsn_tracking import graphs
+from wsn_tracking.launching import actions
+
+
+def _graph(context):
+    argument = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS}
+    processes = graphs.simulation(
+        argument['scenario'],
+        int(argument['seed']),
+        rate=0.0 if argument['rate'] == 'max' else float(argument['rate']),
+        configuration=argument['config'],
+        record=argument['record'],
+        one_process_each=argument['one_process_each'] == 'true',
+    )
+    return actions(processes, argument['namespace'])
+
+
+ARGUMENTS = {
+    'scenario': ('a_loop', 'experiment to simulate'),
+    'seed': ('0', 'of the radio noise'),
+    'rate': ('1.0', 'multiple of real time, or max'),
+    'config': ('', 'parameter file or name of a configuration; empty: that of the scenario'),
+    'record': ('', 'folder for a bag of what the world sends; empty: none'),
+    'one_process_each': ('false', 'a process for every sensing node'),
+    'namespace': ('', 'namespace of the whole graph'),
+}
+
+
+def generate_launch_description():
+    declared = [
+        DeclareLaunchArgument(name, default_value=value, description=words)
+        for name, (value, words) in ARGUMENTS.items()
+    ]
+    return LaunchDescription([*declared, OpaqueFunction(function=_graph)])

@@ -1,0 +1,39 @@
+"""Play a bag through the live graph of system A and print the table at its end.
+
+ros2 launch wsn_tracking replay.launch.py bag:=bags/a_loop rate:=max
+"""
+
+from launch.actions import DeclareLaunchArgument, OpaqueFunction
+from launch.substitutions import LaunchConfiguration
+
+from launch import LaunchDescription
+from wsn_tracking import graphs
+from wsn_tracking.launching import actions
+
+
+def _graph(context):
+    argument = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS}
+    processes = graphs.replay(
+        argument['bag'],
+        rate=0.0 if argument['rate'] == 'max' else float(argument['rate']),
+        configuration=argument['config'],
+        one_process_each=argument['one_process_each'] == 'true',
+    )
+    return actions(processes, argument['namespace'])
+
+
+ARGUMENTS = {
+    'bag': (None, 'rosbag2 folder or .mcap file'),
+    'rate': ('1.0', 'multiple of real time, or max'),
+    'config': ('', 'parameter file or name of a configuration; empty: what the bag names'),
+    'one_process_each': ('false', 'a process for every sensing node'),
+    'namespace': ('', 'namespace of the whole graph'),
+}
+
+
+def generate_launch_description():
+    declared = [
+        DeclareLaunchArgument(name, description=words, **({} if value is None else {'default_value': value}))
+        for name, (value, words) in ARGUMENTS.items()
+    ]
+    return LaunchDescription([*declared, OpaqueFunction(function=_graph)])

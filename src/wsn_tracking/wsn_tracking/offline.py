@@ -1,0 +1,27 @@
+"""The plan of a graph without its processes."""
+
+from __future__ import annotations
+
+from wsn_tracking import graphs
+from wsn_tracking.configuration import EstimatorNodeConfig, SensingNodeConfig, Values
+from wsn_tracking.evaluation.run import Progress, Run, Sensing, run_random_q, silent
+from wsn_tracking.parameters import build
+from wsn_tracking.sensing.recording import Recording
+
+
+def offline(
+    source: graphs.Source,
+    recording: Recording,
+    configuration: str = '',
+    settings: Values | None = None,
+    target_id: int = -1,
+    progress: Progress = silent,
+) -> Run:
+    """What the graph of this plan publishes, computed in this process."""
+    plan = graphs.plan_random_q(source, configuration, settings, target_id)
+    estimators = [build(EstimatorNodeConfig, values) for values in plan.estimators]
+    sensing = None
+    if plan.sensing is not None:
+        config = build(SensingNodeConfig, plan.sensing)
+        sensing = Sensing(config.trigger, config.seed)
+    return run_random_q(recording, sensing, estimators, target_id, progress)

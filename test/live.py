@@ -1,0 +1,97 @@
+"""What tests of running graphs share: graphs in domains of their own, and what they published."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import subprocess
+import tempfile
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+from domain_coordinator import domain_id
+
+from wsn_tracking import processes
+from wsn_tracking.bags.decode import decode
+from wsn_tracking.bags.messages import estimates_of
+from wsn_tracking.bags.read import raw_messages
+from wsn_tracking.bags.types import ESTIMATE, split_topic
+from wsn_tracking.graphs import Process
+from wsn_tracking.trackers.estimate import Estimate
+
+ROOT = Path(__file__).resolve().parents[1]
+A_LOOP = ROOT / 'bags' / 'a_loop'
+
+
+@contextlib.contextmanager
+def private_domain() -> Iterator[dict[str, str]]:
+    """An environment whose nodes see nobody else's."""
+    with domain_id() as domain:
+        yield {**os.environ, 'ROS_DOMAIN_ID': str(domain), 'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST'}
+
+
+@contextlib.contextmanager
+def started(graph: Sequence[Process], environment: Mapping[str, str]) -> Iterator[dict[str, subprocess.Popen[str]]]:
+    """The processes of a graph, by name; whatever still runs at the end is killed."""
+    with tempfile.TemporaryDirectory() as folder:
+        running = {}
+        try:
+            for process in graph:
+                running[process.name] = start(process, environment, Path(folder))
+            yield running
+        finally:
+            for process in running.values():
+                if process.poll() is None:
+                    process.kill()
+                process.communicate()
+
+
+def start(process: Process, environment: Mapping[str, str], folder: Path) -> subprocess.Popen[str]:
+    """One process of a graph, its output piped."""
+    return subprocess.Popen(
+        processes.command(process, processes.write_parameters(process, folder)),
+        env=dict(environment),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+    )
+
+
+def wait_all(running: Mapping[str, subprocess.Popen[str]], names: Sequence[str], timeout: float) -> dict[str, str]:
+    """Outputs of processes that end by themselves with code 0."""
+    outputs = {}
+    for name in names:
+        output, _ = running[name].communicate(timeout=timeout)
+        assert running[name].returncode == 0, f'{name} ended with {running[name].returncode}:\n{output}'
+        outputs[name] = output
+    return outputs
+
+
+def recorded_estimates(bag: Path) -> dict[str, list[Estimate]]:
+    """Estimates in a bag by output, in the order of the log."""
+    by_topic: dict[str, list[bytes]] = {}
+    for raw in raw_messages(bag):
+        if raw.type_name == ESTIMATE:
+            by_topic.setdefault(split_topic(raw.topic).name.removeprefix('estimate/'), []).append(raw.cdr)
+    found = {}
+    for name, cdrs in by_topic.items():
+        groups, bad = decode(ESTIMATE, cdrs)
+        assert bad == 0
+        rows: list[Estimate | None] = [None] * len(cdrs)
+        for group in groups:
+            for row, estimate in zip(group.rows.tolist(), estimates_of(group.columns), strict=True):
+                rows[row] = estimate
+        found[name] = [estimate for estimate in rows if estimate is not None]
+    return found
+
+
+def differences(one: Sequence[Estimate], other: Sequence[Estimate]) -> list[str]:
+    """Where two sequences of estimates differ in any decoded number, bit for bit."""
+    found = [] if len(one) == len(other) else [f'{len(one)} estimates against {len(other)}']
+    for a, b in zip(one, other, strict=False):
+        for field, left, right in zip(Estimate._fields, a, b, strict=True):
+            same = np.array_equal(left, right, equal_nan=field in {'q', 'covariance'})
+            if not same:
+                found.append(f'epoch {a.request_seq} of {a.source}: {field} {left} != {right}')
+    return found
