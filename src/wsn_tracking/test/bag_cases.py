@@ -43,7 +43,9 @@ def events(level: str = 'rssi', epochs: int = 5, ends: bool = True, target: int 
     return rows
 
 
-def write(path: Path, rows: list[tuple[str, object, int]], metadata: dict[str, str] | None = None, prefix: str = '') -> Path:
+def write(
+    path: Path, rows: list[tuple[str, object, int]], metadata: dict[str, str] | None = None, prefix: str = ''
+) -> Path:
     with BagWriter(path, metadata or {}) as bag:
         for topic, value, log_ns in rows:
             bag.write(prefix + topic, value, log_ns)

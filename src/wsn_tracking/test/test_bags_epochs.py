@@ -13,10 +13,11 @@ from wsn_tracking.sensing.recording import Recording
 from wsn_tracking.sensing.values import EpochEnd, Range, Request, Rssi, TriggerReport
 
 MILLISECOND = 1_000_000
+ANCHORS = anchors()  # one object: recordings compare by it
 
 
 def recording(messages, level='rssi', dropped=None):
-    return Recording(anchors(), level, tuple(messages), {}, {}, dropped or {})
+    return Recording(ANCHORS, level, tuple(messages), {}, {}, dropped or {})
 
 
 def complete(epochs=4, target=1, level='rssi', start=START):

@@ -47,7 +47,11 @@ def test_a_place_that_cannot_be_written_is_named(tmp_path):
 def test_a_full_disk_is_told_once(tmp_path, monkeypatch):
     real = Path.open
     monkeypatch.setattr(
-        Path, 'open', lambda self, *args, **more: builtins.open('/dev/full', 'wb') if self.suffix == '.mcap' else real(self, *args, **more)
+        Path,
+        'open',
+        lambda self, *args, **more: (
+            builtins.open('/dev/full', 'wb') if self.suffix == '.mcap' else real(self, *args, **more)
+        ),
     )
     with pytest.raises(TrackingError, match='No space left'), BagWriter(tmp_path / 'bag', {}) as bag:
         for topic, value, t in events(epochs=3000):

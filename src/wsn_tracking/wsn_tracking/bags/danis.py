@@ -86,8 +86,7 @@ def recording(receptions: list[Reception], anchors: Anchors, dropped: dict[str, 
         'target_height': f'{HEIGHT:g}',
         'configuration': 'danis_central',
         'source': SOURCE,
-        'import_dropped': ', '.join(f'{reason} {count}' for reason, count in sorted(dropped.items()))
-        or 'nothing',
+        'import_dropped': ', '.join(f'{reason} {count}' for reason, count in sorted(dropped.items())) or 'nothing',
     }
     bare = Recording(anchors, 'rssi', tuple(packets), {}, metadata, {})
     messages = with_epoch_ends(bare, PACKET_S).messages
@@ -100,8 +99,6 @@ def recording(receptions: list[Reception], anchors: Anchors, dropped: dict[str, 
         metadata['period'] = f'{np.median(np.diff(stamps)) / 1e9:.4f}'
     return bare._replace(
         # a measurement answers its request: their stamps are equal (RssiMeasurement.msg)
-        messages=tuple(
-            m._replace(stamp_ns=stamp_of[m.request_seq]) if isinstance(m, Rssi) else m for m in messages
-        ),
+        messages=tuple(m._replace(stamp_ns=stamp_of[m.request_seq]) if isinstance(m, Rssi) else m for m in messages),
         truth={TARGET: truth},
     )

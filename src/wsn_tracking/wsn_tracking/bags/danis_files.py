@@ -126,9 +126,7 @@ def read_devices(path: Path) -> Devices:
             f'{path} describes no receivers as expected (Dongles: MAC: [[x, y, z], colour, alias]): {error}'
         ) from error
     if not receivers or not beacons:
-        raise TrackingError(
-            f'{path} lists {len(receivers)} receivers and {len(beacons)} beacons: some expected'
-        )
+        raise TrackingError(f'{path} lists {len(receivers)} receivers and {len(beacons)} beacons: some expected')
     return Devices(receivers, beacons)
 
 
@@ -156,9 +154,7 @@ def read_histograms(path: Path, devices: Devices) -> dict[int, Links]:
         ) from error
     absent = {r.node_id for r in devices.receivers.values()} - set(rows)
     if absent:
-        raise TrackingError(
-            f'{path} has no histogram of receivers {sorted(absent)}: they cannot be calibrated'
-        )
+        raise TrackingError(f'{path} has no histogram of receivers {sorted(absent)}: they cannot be calibrated')
     return {node: Links(*np.array(links).T) for node, links in sorted(rows.items())}
 
 
@@ -187,9 +183,7 @@ def read_track(path: Path, devices: Devices) -> tuple[list[Reception], dict[str,
     return receptions, dict(dropped)
 
 
-def _reception(
-    cells: list[str], receivers: Mapping[str, Receiver], beacons: tuple[str, ...]
-) -> Reception | str:
+def _reception(cells: list[str], receivers: Mapping[str, Receiver], beacons: tuple[str, ...]) -> Reception | str:
     """The reception, or the reason why the line is left out."""
     if len(cells) < 7:
         return 'too_few_columns'

@@ -161,9 +161,7 @@ def decode(type_name: str, cdrs: Sequence[bytes], fast: bool = True) -> tuple[li
     return groups, bad
 
 
-def _by_shape(
-    type_name: str, cdrs: Sequence[bytes], rows: NDArray[np.int64], groups: list[Group]
-) -> Iterator[int]:
+def _by_shape(type_name: str, cdrs: Sequence[bytes], rows: NDArray[np.int64], groups: list[Group]) -> Iterator[int]:
     """Append a group for each shape among messages of one length; yields the rows that are left over."""
     left = rows
     picked = cdrs if rows.size == len(cdrs) else [cdrs[row] for row in rows.tolist()]
@@ -192,11 +190,18 @@ def _columns(shape: _Shape, data: NDArray[np.uint8]) -> dict[str, Any]:
     return columns
 
 
+def message_of(type_name: str, cdr: bytes) -> Any | None:
+    """One message as an object of rosbags, None where it cannot be decoded."""
+    try:
+        return typestore().deserialize_cdr(cdr, type_name)
+    except (SerdeError, struct.error, ValueError, IndexError, OverflowError, AssertionError, MemoryError):
+        return None
+
+
 def _by_store(type_name: str, cdr: bytes) -> dict[str, Any] | None:
     """Columns of one message, None where it cannot be decoded."""
-    try:
-        message = typestore().deserialize_cdr(cdr, type_name)
-    except (SerdeError, struct.error, ValueError, IndexError, OverflowError, AssertionError, MemoryError):
+    message = message_of(type_name, cdr)
+    if message is None:
         return None
     columns: dict[str, Any] = {}
     for path, base, kind, _ in _leaves(type_name):

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Mapping, Sequence
-from typing import NamedTuple, TypeVar
 
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.sensing.recording import Message, Recording
@@ -19,16 +19,8 @@ from wsn_tracking.sensing.values import (
 )
 
 Key = tuple[int, int]  # target_id, request_seq: an epoch
-M = TypeVar('M', Rssi, Range, RangeBearing, TriggerReport)
 Item = Measurement | TriggerReport
 MEASUREMENTS = (Rssi, Range, RangeBearing)
-
-
-class _Placed(NamedTuple):
-    """A message and where it stands: epochs are ordered by the place of their last message."""
-
-    place: int
-    message: Message
 
 
 def with_epoch_ends(recording: Recording, tolerance_s: float = 0.05) -> Recording:
@@ -104,31 +96,37 @@ def _end(like: EpochEnd, listed: Sequence[tuple[int, int]], level: str, final: b
     return like._replace(topic=level, node_ids=nodes, seqs=seqs, final=final)
 
 
-def _by_request(messages: Iterable[Message], tolerance_ns: int) -> tuple[list[_Placed], int]:
+def _by_request(messages: Sequence[Message], tolerance_ns: int) -> tuple[list[Message], int]:
     """Every message with the request it belongs to; and how many belong to none."""
-    messages = list(messages)
     requests: dict[int, list[Request]] = defaultdict(list)
     for message in messages:
         if isinstance(message, Request):
             requests[message.target_id].append(message)
+    for group in requests.values():
+        group.sort(key=lambda request: request.stamp_ns)
     known = {_key(request) for group in requests.values() for request in group}
-    placed: list[_Placed] = []
+    placed: list[Message] = []
     lost = 0
-    for place, message in enumerate(messages):
+    for message in messages:
         if isinstance(message, (Request, EpochEnd)) or _key(message) in known:
-            placed.append(_Placed(place, message))
+            placed.append(message)
             continue
-        near = min(
-            requests[message.target_id], key=lambda r: abs(r.stamp_ns - message.stamp_ns), default=None
-        )
+        near = _nearest(requests[message.target_id], message.stamp_ns)
         if near is not None and abs(near.stamp_ns - message.stamp_ns) <= tolerance_ns:
-            placed.append(_Placed(place, message._replace(request_seq=near.seq)))
+            placed.append(message._replace(request_seq=near.seq))
         else:
             lost += 1
     return placed, lost
 
 
-def _by_stamp(messages: Iterable[Message], tolerance_ns: int) -> list[_Placed]:
+def _nearest(requests: Sequence[Request], stamp_ns: int) -> Request | None:
+    """Of requests ascending in time, the nearest to an instant."""
+    at = bisect_left(requests, stamp_ns, key=lambda request: request.stamp_ns)
+    around = requests[max(at - 1, 0) : at + 1]
+    return min(around, key=lambda request: abs(request.stamp_ns - stamp_ns), default=None)
+
+
+def _by_stamp(messages: Iterable[Message], tolerance_ns: int) -> list[Message]:
     """Requests made from stamps, and every message with the number of the request made for it."""
     of_target: dict[int, list[Item]] = defaultdict(list)
     for message in messages:
@@ -143,16 +141,15 @@ def _by_stamp(messages: Iterable[Message], tolerance_ns: int) -> list[_Placed]:
                 epochs.append((Request(item.stamp_ns, target_id, seq), []))
             epochs[-1][1].append(item._replace(request_seq=seq))
     epochs.sort(key=lambda epoch: epoch[0].stamp_ns)
-    flat: list[Message] = [message for request, items in epochs for message in (request, *items)]
-    return [_Placed(place, message) for place, message in enumerate(flat)]
+    return [message for request, items in epochs for message in (request, *items)]
 
 
-def _with_ends(placed: Sequence[_Placed], level: str) -> tuple[Message, ...]:
+def _with_ends(messages: Sequence[Message], level: str) -> tuple[Message, ...]:
     """An EpochEnd after the last message of each epoch, those of a target in the order of its requests."""
     requests: dict[Key, Request] = {}
     closes: dict[Key, int] = {}
     listed: dict[Key, dict[tuple[int, int], None]] = defaultdict(dict)
-    for place, message in placed:
+    for place, message in enumerate(messages):
         key = _key(message)
         closes[key] = place
         if isinstance(message, Request):
@@ -166,4 +163,4 @@ def _with_ends(placed: Sequence[_Placed], level: str) -> tuple[Message, ...]:
         latest[key[0]] = max(latest.get(key[0], -1), closes[key])
         empty = EpochEnd(request.stamp_ns, *key, level, (), ())
         ends[latest[key[0]]].append(_end(empty, list(listed[key]), level, final[key[0]] == key))
-    return tuple(item for place, message in placed for item in (message, *ends[place]))
+    return tuple(item for place, message in enumerate(messages) for item in (message, *ends[place]))

@@ -135,9 +135,7 @@ def _sequence(field: str, base: str, value: Any) -> Any:
         return wide.astype(base)
     limits = np.iinfo(base)
     if wide.min() < limits.min or wide.max() > limits.max:
-        raise ValueError(
-            f'`{field}` holds {wide.min()}..{wide.max()}, {base} holds {limits.min}..{limits.max}'
-        )
+        raise ValueError(f'`{field}` holds {wide.min()}..{wide.max()}, {base} holds {limits.min}..{limits.max}')
     return wide.astype(base)
 
 
@@ -169,14 +167,10 @@ def _cells(column: Any) -> Iterable[Any]:
 
 def anchors_of(columns: Columns) -> Anchors:
     """The last of the decoded tables of anchors."""
-    last = {
-        name: np.asarray(columns[name][-1]) for name in ('x', 'y', 'z', *Anchors._fields) if name in columns
-    }
+    last = {name: np.asarray(columns[name][-1]) for name in ('x', 'y', 'z', *Anchors._fields) if name in columns}
     sizes = {name: column.size for name, column in last.items()}
     if len(set(sizes.values())) != 1:
-        raise TrackingError(
-            f'the anchors have columns of different length {sizes}: one entry a node is expected'
-        )
+        raise TrackingError(f'the anchors have columns of different length {sizes}: one entry a node is expected')
     radio = {k: last[k] for k in ('p1_dbm', 'd0', 'n', 'sigma_db', 'bias', 'scale')}
     return make_anchors(last['ids'], np.column_stack([last['x'], last['y'], last['z']]), **radio)
 
@@ -191,9 +185,7 @@ def truth_of(target_id: int, columns: Columns) -> tuple[Truth, int]:
     position = _vectors(columns, 'pose.pose.position', 'xyz')
     linear = _vectors(columns, 'twist.twist.linear', 'xyz')
     quaternion = _vectors(columns, 'pose.pose.orientation', 'xyzw')
-    variance = np.asarray(columns['twist.covariance'], dtype=np.float64).reshape(-1, 6, 6)[
-        :, range(3), range(3)
-    ]
+    variance = np.asarray(columns['twist.covariance'], dtype=np.float64).reshape(-1, 6, 6)[:, range(3), range(3)]
     velocity = np.where(variance < UNKNOWN, _turn(quaternion, linear), np.nan)
     usable = np.flatnonzero(np.all(np.isfinite(position), axis=1))
     stamps, first = np.unique(stamps[usable], return_index=True)

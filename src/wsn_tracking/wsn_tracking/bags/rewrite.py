@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from pathlib import Path
-from typing import Any
 
+from wsn_tracking.bags.decode import message_of
 from wsn_tracking.bags.read import load_metadata, raw_messages, read
 from wsn_tracking.bags.types import (
     BASE_TYPES,
@@ -45,7 +45,9 @@ def canonical(src: Path | str, dst: Path | str, keep: Collection[str] | None = N
         name = split_topic(raw.topic).name
         is_truth = keep is None and truth_target(name) is not None
         if (name in wanted or is_truth) and raw.type_name == expected_type(name):
-            message = _decoded(raw.cdr, raw.type_name)
+            message = message_of(raw.type_name, raw.cdr)
+            if message is None:
+                raise TrackingError(f'{src}: message {place} on {raw.topic} cannot be decoded; leave the topic out')
             rank = 1 if truth_target(name) is not None else _RANK.get(name, 3)
             stamp = message.header.stamp
             rows.append((stamp.sec * 1_000_000_000 + stamp.nanosec, rank, place, raw, message))
@@ -57,10 +59,3 @@ def canonical(src: Path | str, dst: Path | str, keep: Collection[str] | None = N
         for stamp_ns, _, _, raw, message in rows:
             cdr = bytes(typestore().serialize_cdr(message, raw.type_name, little_endian=True))
             writer.write_raw(raw.topic, raw.type_name, cdr, stamp_ns, raw.qos)
-
-
-def _decoded(cdr: bytes, type_name: str) -> Any:
-    try:
-        return typestore().deserialize_cdr(cdr, type_name)
-    except (ValueError, IndexError, AssertionError) as error:
-        raise TrackingError(f'a message of type {type_name} cannot be decoded: {error}') from error

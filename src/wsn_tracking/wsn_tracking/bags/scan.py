@@ -29,9 +29,7 @@ from wsn_tracking.errors import TrackingError
 
 MAGIC = b'\x89MCAP0\r\n'
 MAX_CHUNK = 2**30  # [bytes] a chunk that claims more is damaged
-_MESSAGE = struct.Struct(
-    '<QH4xQ8x'
-)  # after the opcode: length, channel, (sequence,) log time (, publish time)
+_MESSAGE = struct.Struct('<QH4xQ8x')  # after the opcode: length, channel, (sequence,) log time (, publish time)
 _RECORD = struct.Struct('<BQ')
 R = TypeVar('R')
 

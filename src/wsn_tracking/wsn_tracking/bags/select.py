@@ -43,14 +43,10 @@ def in_namespace(topics: Mapping[int, tuple[str, str]], wanted: str | None, path
     flows = sorted({namespace for namespace, name in topics.values() if name in FLOW})
     if wanted is None and len(flows) > 1:
         shown = ['/' + namespace for namespace in flows]
-        raise TrackingError(
-            f'{path} holds measurements in several namespaces {shown}: name one (`namespace`)'
-        )
+        raise TrackingError(f'{path} holds measurements in several namespaces {shown}: name one (`namespace`)')
     chosen = wanted.strip('/') if wanted is not None else (flows[0] if flows else '')
     if wanted is not None and chosen not in flows:
-        raise TrackingError(
-            f'{path} has nothing in namespace {wanted!r}; it holds {["/" + f for f in flows]}'
-        )
+        raise TrackingError(f'{path} has nothing in namespace {wanted!r}; it holds {["/" + f for f in flows]}')
     above = [chosen]
     while above[-1]:
         above.append(above[-1].rpartition('/')[0])
@@ -101,9 +97,7 @@ def check_definition(raw: RawTopic) -> None:
         types = parse(raw.definition) if parse else get_types_from_msg(raw.definition, raw.type_name)
     except (TypesysError, ValueError, IndexError, KeyError, AssertionError, RecursionError) as error:
         reason = str(error).splitlines()[0] if str(error) else type(error).__name__
-        raise TrackingError(
-            f'the definition of {raw.type_name} in the bag cannot be read: {reason}'
-        ) from error
+        raise TrackingError(f'the definition of {raw.type_name} in the bag cannot be read: {reason}') from error
     ours = typestore().fielddefs
     for name, (_, fields) in types.items():
         if name not in ours or [*fields] != [*ours[name][1]]:

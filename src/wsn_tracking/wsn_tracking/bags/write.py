@@ -130,6 +130,4 @@ class BagWriter:
         return self._topics[key][0]
 
     def _failed(self, error: OSError) -> TrackingError:
-        return TrackingError(
-            f'{self.path} cannot be written: {error.strerror or error}; free or name a place'
-        )
+        return TrackingError(f'{self.path} cannot be written: {error.strerror or error}; free or name a place')

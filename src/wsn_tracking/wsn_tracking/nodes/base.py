@@ -167,6 +167,10 @@ def run(make: Callable[[], TrackingNode[Any]]) -> None:
     except TrackingError as error:
         print(f'error: {error}', file=sys.stderr)
         code = 2
+    except Exception:
+        if rclpy.ok():
+            raise
+        # a signal has shut the context down while the node was being made: that is an end like any other
     finally:
         for number in (signal.SIGINT, signal.SIGTERM):  # the end has begun: a second request must not break it
             signal.signal(number, signal.SIG_IGN)

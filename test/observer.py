@@ -1,0 +1,54 @@
+"""A node of the test's own that looks at a running graph."""
+
+from __future__ import annotations
+
+import contextlib
+import time
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any
+
+import rclpy
+from rclpy.context import Context
+from rclpy.executors import SingleThreadedExecutor
+from rclpy.node import Node
+
+
+class Observer:
+    """Spins until something is seen."""
+
+    def __init__(self, node: Node, executor: SingleThreadedExecutor) -> None:
+        self.node = node
+        self._executor = executor
+
+    def until(self, seen: Callable[[], bool], timeout: float, what: str) -> None:
+        """Spin until `seen`, or fail after `timeout` [s]."""
+        deadline = time.monotonic() + timeout
+        while not seen():
+            assert time.monotonic() < deadline, f'not seen within {timeout:g} s: {what}'
+            self._executor.spin_once(timeout_sec=0.05)
+
+    def until_node(self, name: str, timeout: float) -> None:
+        """Spin until a node of that name is there."""
+        self.until(lambda: name in self.node.get_node_names(), timeout, f'node {name}')
+
+    def collect(self, kind: type[Any], topic: str, profile: Any) -> list[Any]:
+        """A list that fills with the messages of a topic."""
+        messages: list[Any] = []
+        self.node.create_subscription(kind, topic, messages.append, profile)
+        return messages
+
+
+@contextlib.contextmanager
+def observing(environment: Mapping[str, str]) -> Iterator[Observer]:
+    """An observer in the domain of an environment; discovery is limited as that of this process is."""
+    context = Context()
+    rclpy.init(context=context, domain_id=int(environment['ROS_DOMAIN_ID']))
+    node = rclpy.create_node('observer', context=context)
+    executor = SingleThreadedExecutor(context=context)
+    executor.add_node(node)
+    try:
+        yield Observer(node, executor)
+    finally:
+        executor.shutdown()
+        node.destroy_node()
+        rclpy.shutdown(context=context)

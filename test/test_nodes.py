@@ -1,0 +1,107 @@
+"""Nodes as processes: they end cleanly, refuse bad parameters in one line, and survive each other's death."""
+
+from __future__ import annotations
+
+import json
+import signal
+import subprocess
+
+import pytest
+from wsn_tracking_msgs.msg import TargetEstimate
+
+import live
+from observer import observing
+from wsn_tracking import graphs
+from wsn_tracking.configuration import EXECUTABLES
+from wsn_tracking.nodes import qos
+from wsn_tracking.processes import executable
+
+TIMEOUT = 30.0  # [s]
+STANDALONE = sorted(set(EXECUTABLES) - {'bag_player_node'})  # the player needs a bag
+
+
+def ran(name, *arguments, environment):
+    """A process that is expected to end by itself."""
+    return subprocess.run(
+        [str(executable(name)), *arguments],
+        env=environment,
+        capture_output=True,
+        text=True,
+        timeout=TIMEOUT,
+        check=False,
+    )
+
+
+@pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize('name', STANDALONE)
+def test_node_starts_on_defaults_and_ends_with_0_when_asked(name, number, tmp_path):
+    with live.private_domain() as environment:
+        process = subprocess.Popen(
+            [str(executable(name))],
+            env=environment,
+            cwd=tmp_path,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+        )
+        try:
+            with observing(environment) as observer:
+                observer.until_node(name, TIMEOUT)
+            process.send_signal(number)
+            output, _ = process.communicate(timeout=TIMEOUT)
+        finally:
+            process.kill()
+    assert process.returncode == 0, output
+    assert 'Traceback' not in output
+
+
+@pytest.mark.parametrize(
+    ('name', 'setting', 'words'),
+    [
+        ('sensing_node', 'trigger.kind:=sometimes', ['trigger.kind', 'sometimes', 'event, near']),
+        ('sensing_node', 'trigger.alpha:=1.5', ['trigger.alpha', '1.5', '<= 1']),
+        ('estimator_node', 'noise.q_max:=hello', ['noise.q_max', 'hello', 'a number']),
+        ('estimator_node', 'noise.q_min:=9.0', ['noise.q_max', 'below']),
+        ('estimator_node', 'area:=[1.0, 1.0, 0.0, 2.0]', ['area', 'min < max']),
+        ('world_node', 'scenario:=nowhere', ['nowhere', 'a_loop']),
+        ('bag_player_node', 'bag:=no/such/bag', ['no/such/bag']),
+        ('bag_player_node', 'rate:=-1.0', ['rate', '-1.0', '>= 0']),
+        ('evaluator_node', 'expected_subscribers:=[range]', ['expected_subscribers', 'topic=count']),
+    ],
+)
+def test_bad_parameter_is_refused_in_one_line(name, setting, words):
+    with live.private_domain() as environment:
+        done = ran(name, '--ros-args', '-p', setting, environment=environment)
+    assert done.returncode == 2
+    lines = done.stderr.strip().splitlines()
+    assert len(lines) == 1, done.stderr
+    assert lines[0].startswith('error: ')
+    for word in words:
+        assert word in lines[0]
+
+
+def test_the_others_go_on_when_an_estimator_is_killed(tmp_path):
+    """SIGKILL in mid-run: the player says whose output fell silent, the others' fused estimates reach the end."""
+    scores = tmp_path / 'scores.json'
+    graph = graphs.replay(str(live.A_LOOP), rate=20.0, evaluator={'json': str(scores), 'output_timeout': 1.0})
+    graph = tuple(
+        p._replace(parameters={**p.parameters, 'output_timeout': 1.0, 'fusion_timeout': 0.2, 'lossless': False})
+        for p in graph
+    )
+    with (
+        live.private_domain() as environment,
+        observing(environment) as observer,
+        live.started(graph, environment) as running,
+    ):
+        fused = observer.collect(TargetEstimate, 'estimate/fused_2', qos.ESTIMATES)
+        observer.until(lambda: any(e.request_seq >= 20 for e in fused), TIMEOUT, 'epoch 20 of fused_2')
+        running['estimator_2'].kill()
+        player, _ = running['bag_player'].communicate(timeout=TIMEOUT)
+        evaluator, _ = running['evaluator'].communicate(timeout=TIMEOUT)
+    assert running['bag_player'].returncode == 1
+    assert 'estimate/fused_2 has been silent' in player
+    assert running['evaluator'].returncode == 1
+    assert 'estimate/local_2 did not reach the final epoch' in evaluator
+    outputs = json.loads(scores.read_text())['outputs']
+    assert outputs['fused_1']['epochs'] == outputs['fused_3']['epochs'] == 115
+    assert outputs['local_2']['epochs'] < 115
