@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import builtins
 from pathlib import Path
 
 import pytest
@@ -46,16 +45,13 @@ def test_a_place_that_cannot_be_written_is_named(tmp_path):
 @pytest.mark.skipif(not Path('/dev/full').exists(), reason='needs the device that is always full')
 def test_a_full_disk_is_told_once(tmp_path, monkeypatch):
     real = Path.open
-    monkeypatch.setattr(
-        Path,
-        'open',
-        lambda self, *args, **more: (
-            builtins.open('/dev/full', 'wb') if self.suffix == '.mcap' else real(self, *args, **more)
-        ),
-    )
-    with pytest.raises(TrackingError, match='No space left'), BagWriter(tmp_path / 'bag', {}) as bag:
-        for topic, value, t in events(epochs=3000):
-            bag.write(topic, value, t)
+
+    def full(path, *args, **more):
+        return real(Path('/dev/full'), 'wb') if path.suffix == '.mcap' else real(path, *args, **more)
+
+    monkeypatch.setattr(Path, 'open', full)
+    with pytest.raises(TrackingError, match='No space left'):
+        write(tmp_path / 'bag', events(epochs=3000))
 
 
 def test_a_closed_bag_takes_nothing_and_closes_twice(tmp_path):

@@ -25,13 +25,16 @@ Values = Mapping[str, Any]  # dotted parameter name -> value
 
 
 @dataclass(frozen=True)
-class MatchingConfig:
-    """How many partners each topic must have before a node says that it is ready."""
+class NodeConfig:
+    """Every node: when it says that it is ready, and when that its data has stopped."""
 
     expected_subscribers: tuple[str, ...] = param(
         ('',), 'for each output that others wait for, topic=count; set by launch files'
     )
     expected_publishers: tuple[str, ...] = param(('',), 'for each input, topic=count; set by launch files')
+    silence_timeout: float = param(
+        5.0, 'requests that stop for longer before the feed has ended are an error', 's', 1e-2
+    )
 
 
 @dataclass(frozen=True)
@@ -212,7 +215,7 @@ def _flat(values: Mapping[str, Any], prefix: str = '') -> Iterator[tuple[str, An
 
 
 def _check_known(name: str, where: str) -> None:
-    known = {spec.name for kind in (*EXECUTABLES.values(), MatchingConfig) for spec in specs(kind)}
+    known = {spec.name for kind in (*EXECUTABLES.values(), NodeConfig) for spec in specs(kind)}
     if name in known or name == 'use_sim_time' or name.startswith('qos_overrides.'):
         return
     near = difflib.get_close_matches(name, known, 1)

@@ -15,7 +15,7 @@ from typing import Any
 
 import yaml
 
-from wsn_tracking.configuration import EXECUTABLES, Values
+from wsn_tracking.configuration import EXECUTABLES, NodeConfig, Values
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.graphs import Process
 from wsn_tracking.parameters import specs
@@ -48,8 +48,7 @@ def executable(name: str) -> Path:
 
 def declared(process: Process) -> Values:
     """The parameters that the executable knows, of all that a configuration gives."""
-    from_class = {spec.name for spec in specs(EXECUTABLES[process.executable])}
-    known = from_class | {'expected_subscribers', 'expected_publishers'}
+    known = {spec.name for kind in (EXECUTABLES[process.executable], NodeConfig) for spec in specs(kind)}
     return {k: v for k, v in process.parameters.items() if k in known}
 
 

@@ -16,7 +16,7 @@ from wsn_tracking.bags.write import BagWriter
 from wsn_tracking.configuration import RecorderConfig
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.nodes import qos
-from wsn_tracking.nodes.base import OK, Finished, TrackingNode, run
+from wsn_tracking.nodes.base import Finished, TrackingNode, run
 
 CLASSES = {
     'nav_msgs/msg/Odometry': Odometry,
@@ -73,9 +73,9 @@ class BagRecorderNode(TrackingNode[RecorderConfig]):
         self.get_logger().info(f'{self.config.output}: {dict(self._counts)}')
         super().destroy_node()
 
-    def state(self) -> tuple[int, str, Mapping[str, Any]]:
+    def state(self) -> Mapping[str, Any]:
         """Messages written by topic."""
-        return OK, 'recording', dict(self._counts)
+        return dict(self._counts)
 
 
 def main() -> None:

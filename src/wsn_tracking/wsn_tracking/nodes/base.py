@@ -21,14 +21,14 @@ from std_msgs.msg import String
 from wsn_tracking_msgs import msg
 
 from wsn_tracking import parameters
-from wsn_tracking.configuration import MatchingConfig
+from wsn_tracking.configuration import NodeConfig
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.models.anchors import Anchors
 from wsn_tracking.nodes import convert, qos
+from wsn_tracking.nodes.health import Health, flow
 from wsn_tracking.nodes.matching import Matching
 
 Config = TypeVar('Config')
-OK, WARN, ERROR = DiagnosticStatus.OK, DiagnosticStatus.WARN, DiagnosticStatus.ERROR
 
 
 class Finished(Exception):
@@ -45,7 +45,9 @@ class TrackingNode(Node, Generic[Config]):
     def __init__(self, name: str, kind: type[Config]) -> None:
         super().__init__(name)
         self.config: Config = self._declare(kind)
-        self._matching = Matching(self, self._declare(MatchingConfig))
+        self._common: NodeConfig = self._declare(NodeConfig)
+        self._matching = Matching(self._common)
+        self.ended = False  # whether the feed has ended
         self._said_ready = False
         self._ready = self.create_publisher(String, 'ready', qos.LATCHED)
         self._diagnostics = self.create_publisher(DiagnosticArray, '/diagnostics', 10)
@@ -95,13 +97,20 @@ class TrackingNode(Node, Generic[Config]):
         """Whether the node could work if its inputs came; a subclass adds what it needs."""
         return True
 
-    def state(self) -> tuple[int, str, Mapping[str, Any]]:
-        """Level, sentence and values for /diagnostics."""
-        return OK, 'running', {}
+    def health(self) -> Health:
+        """Level and sentence for /diagnostics; a subclass adds its own conditions with `worst`."""
+        last = self._last_input.get('request', self._last_input.get('epoch_end'))
+        age = None if last is None else time.monotonic() - last
+        return flow(age, self.ended, self._common.silence_timeout)
+
+    def state(self) -> Mapping[str, Any]:
+        """Values for /diagnostics."""
+        return {}
 
     def report(self) -> None:
         """Publish one DiagnosticArray."""
-        level, sentence, values = self.state()
+        level, sentence = self.health()
+        values = self.state()
         now = time.monotonic()
         ages = {f'age of {topic} [s]': f'{now - then:.2f}' for topic, then in self._last_input.items()}
         wrong = {f'malformed.{topic}': count for topic, count in self.malformed.items()}
@@ -168,7 +177,7 @@ def run(make: Callable[[], TrackingNode[Any]]) -> None:
         print(f'error: {error}', file=sys.stderr)
         code = 2
     except Exception:
-        if rclpy.ok():
+        if rclpy.ok():  # type: ignore[attr-defined]
             raise
         # a signal has shut the context down while the node was being made: that is an end like any other
     finally:

@@ -14,7 +14,8 @@ from wsn_tracking.configuration import EstimatorNodeConfig
 from wsn_tracking.models.anchors import Anchors
 from wsn_tracking.nodes import convert, qos
 from wsn_tracking.nodes.assembly import TICK, Assembly
-from wsn_tracking.nodes.base import OK, WARN, TrackingNode, run
+from wsn_tracking.nodes.base import TrackingNode, run
+from wsn_tracking.nodes.health import Health, peers, worst
 from wsn_tracking.sensing.values import Epoch, EpochEnd
 from wsn_tracking.trackers.estimate import Estimate
 from wsn_tracking.trackers.estimator import make_estimator
@@ -125,6 +126,7 @@ class EstimatorNode(TrackingNode[EstimatorNodeConfig]):
             self._publish(self._fused, fused)
             self._fused_seq = fused.request_seq
             if fused.request_seq == self._final_seq:
+                self.ended = True
                 self.report()
         return bool(ready)
 
@@ -139,20 +141,20 @@ class EstimatorNode(TrackingNode[EstimatorNodeConfig]):
         self._gate.reset()
         self._queue.clear()
 
-    def state(self) -> tuple[int, str, Mapping[str, Any]]:
+    def health(self) -> Health:
+        """Requests that stopped, peers that fell silent."""
+        return worst(super().health(), peers(self._gate.absent))
+
+    def state(self) -> Mapping[str, Any]:
         """Counts of input, the peers that are missing, and what is waited for."""
-        absent = self._gate.absent
-        values = {
+        return {
             'epoch': self._fused_seq,
             'input': self._input,
             'waits for': self.waits_for or self._assembly.waits_for,
-            'absent peers': list(absent),
+            'absent peers': list(self._gate.absent),
             **self._assembly.counters,
             **self._gate.counters,
         }
-        if absent:
-            return WARN, f'estimators {list(absent)} have been silent for 3 epochs', values
-        return OK, 'tracking' if self._fused_seq >= 0 else 'no data yet', values
 
 
 def main() -> None:

@@ -20,7 +20,8 @@ from wsn_tracking.evaluation.summary import Summary, traffic
 from wsn_tracking.evaluation.table import format_table, wants_colour
 from wsn_tracking.models.anchors import Floats
 from wsn_tracking.nodes import convert, qos
-from wsn_tracking.nodes.base import OK, WARN, Finished, TrackingNode, run
+from wsn_tracking.nodes.base import Finished, TrackingNode, run
+from wsn_tracking.nodes.health import Health, truth, worst
 from wsn_tracking.sensing.recording import Truth
 from wsn_tracking.sensing.values import EpochEnd, TriggerReport
 from wsn_tracking.trackers.estimate import Estimate
@@ -46,8 +47,7 @@ class EvaluatorNode(TrackingNode[EvaluatorConfig]):
             self._take_output(name)
         self.take(msg.EpochEnd, 'epoch_end', convert.epoch_end_value, self._end, qos.MEASUREMENTS)
         self.take(msg.TriggerReport, 'trigger_report', convert.report_value, self._reported, qos.MEASUREMENTS)
-        truth = f'truth/target_{config.target_id}'
-        self.take(Odometry, truth, convert.truth_position, self._true, qos.MEASUREMENTS)
+        self.take(Odometry, f'truth/target_{config.target_id}', convert.truth_position, self._true, qos.MEASUREMENTS)
         self.create_subscription(DiagnosticArray, '/diagnostics', self._diagnosed, qos.ESTIMATES)
         self.take_anchors()
         self.create_timer(0.05, self._finish)
@@ -69,6 +69,7 @@ class EvaluatorNode(TrackingNode[EvaluatorConfig]):
         if end.target_id == self.config.target_id:
             self._ends.add(end.request_seq)
             self._final = end if end.final else self._final
+            self.ended = self._final is not None
 
     def _reported(self, report: TriggerReport, now: float) -> None:
         if report.target_id == self.config.target_id:
@@ -134,13 +135,13 @@ class EvaluatorNode(TrackingNode[EvaluatorConfig]):
         return every
 
     def _summary(self) -> Summary:
-        truth = self._true_track()
+        track = self._true_track()
         every = self._every_output()
         starts = [e[0].stamp_ns for e in every.values() if e]
         scores: dict[str, Score] = {}
         for name, estimates in every.items():
-            if truth is not None and estimates:
-                scores[name] = score(estimates, truth, self.config.skip, start_ns=min(starts))
+            if track is not None and estimates:
+                scores[name] = score(estimates, track, self.config.skip, start_ns=min(starts))
         return Summary(
             self.config.title,
             self.config.target_id,
@@ -163,16 +164,17 @@ class EvaluatorNode(TrackingNode[EvaluatorConfig]):
                 counts.update(dropped)
         return {reason: n for reason, n in (counts + estimators).items() if n}
 
-    def state(self) -> tuple[int, str, Mapping[str, Any]]:
+    def health(self) -> Health:
+        """Requests that stopped, estimates that cannot be scored."""
+        return worst(super().health(), truth(sum(map(len, self._estimates.values())), len(self._truth)))
+
+    def state(self) -> Mapping[str, Any]:
         """Running RMSE and NEES of every output."""
-        if not self._truth:
-            waiting = any(self._estimates.values())
-            return (WARN if waiting else OK), 'no truth yet', {}
         values: dict[str, Any] = {}
         for name, s in self._summary().outputs.items():
             values[f'{name}.rmse_m'], values[f'{name}.nees'] = f'{s.rmse_m:.4f}', f'{s.nees:.2f}'
         share = traffic(self._reports).share
-        return OK, 'scoring', {**values, 'epochs': len(self._ends), 'share sent': f'{share:.3f}'}
+        return {**values, 'epochs': len(self._ends), 'share sent': f'{share:.3f}'}
 
 
 def main() -> None:

@@ -19,7 +19,8 @@ from wsn_tracking.bags.messages import to_cdr
 from wsn_tracking.bags.playback import Playback, playback
 from wsn_tracking.configuration import FeedConfig
 from wsn_tracking.nodes import convert, qos
-from wsn_tracking.nodes.base import OK, WARN, Finished, TrackingNode
+from wsn_tracking.nodes.base import Finished, TrackingNode
+from wsn_tracking.nodes.health import OK, Health, outputs
 from wsn_tracking.nodes.progress import Bar
 from wsn_tracking.nodes.window import Window
 from wsn_tracking.sensing.recording import Recording
@@ -145,13 +146,13 @@ class FeedNode(TrackingNode[Config]):
             counts[event.topic] += 1
         return counts
 
-    def state(self) -> tuple[int, str, Mapping[str, Any]]:
-        """What was sent, and what is waited for."""
+    def health(self) -> Health:
+        """Outputs that fell silent."""
         if self._begun is None:
-            waits = f'waits for {sorted(self._awaited)} {self._matching.missing()}'
-            return OK, waits, {'epochs': len(self._playback.epochs)}
+            return Health(OK, f'waits for {sorted(self._awaited)} {self._matching.missing()}')
+        return outputs(self._window.given_up)
+
+    def state(self) -> Mapping[str, Any]:
+        """What was sent, how far the outputs are, what the bag held and could not be used."""
         dropped = {f'dropped.{reason}': count for reason, count in self._recording.dropped.items()}
-        values = {'sent messages': self._sent, 'of': len(self._playback.events), **self._window.state(), **dropped}
-        if self._window.given_up:
-            return WARN, f'silent outputs: {sorted(self._window.given_up)}', values
-        return OK, 'sending', values
+        return {'sent messages': self._sent, 'of': len(self._playback.events), **self._window.state(), **dropped}

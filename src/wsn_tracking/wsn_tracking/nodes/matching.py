@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from typing import TypeVar
 
-from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.subscription import Subscription
 
-from wsn_tracking.configuration import MatchingConfig
+from wsn_tracking.configuration import NodeConfig
 from wsn_tracking.errors import TrackingError
 
 End = TypeVar('End', Publisher, Subscription)
@@ -17,7 +16,7 @@ End = TypeVar('End', Publisher, Subscription)
 class Matching:
     """Counts matched partners of a node's endpoints, both ways: a partner that was only seen is not matched yet."""
 
-    def __init__(self, node: Node, config: MatchingConfig) -> None:
+    def __init__(self, config: NodeConfig) -> None:
         self._wanted_subscribers = _counts(config.expected_subscribers, 'expected_subscribers')
         self._wanted_publishers = _counts(config.expected_publishers, 'expected_publishers')
         self._publishers: dict[str, Publisher] = {}

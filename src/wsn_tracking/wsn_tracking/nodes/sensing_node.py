@@ -11,7 +11,7 @@ from wsn_tracking.configuration import SensingNodeConfig
 from wsn_tracking.models.anchors import Anchors
 from wsn_tracking.nodes import convert, qos
 from wsn_tracking.nodes.assembly import Assembly
-from wsn_tracking.nodes.base import OK, TrackingNode, run
+from wsn_tracking.nodes.base import TrackingNode, run
 from wsn_tracking.sensing.stage import SensingStage
 from wsn_tracking.sensing.values import Epoch, EpochEnd, Reason
 
@@ -59,21 +59,21 @@ class SensingNode(TrackingNode[SensingNodeConfig]):
         self._counts['offered'] += len(epoch.measurements)
         self._counts['dropped.invalid'] += sum(reason == Reason.INVALID for reason in sensed.report.reasons)
         if epoch.request_seq == self._final_seq:
+            self.ended = True
             self.report()
 
     def _anew(self) -> None:
         if self._stage is not None:
             self._stage.reset()
 
-    def state(self) -> tuple[int, str, Mapping[str, Any]]:
+    def state(self) -> Mapping[str, Any]:
         """Counts of what was heard and sent, and what is waited for."""
-        values = {
+        return {
             'epoch': self._assembly.last_seq,
             'waits for': self.waits_for or self._assembly.waits_for,
             **self._counts,
             **self._assembly.counters,
         }
-        return OK, 'sensing' if self._assembly.last_seq >= 0 else 'no data yet', values
 
 
 def main() -> None:

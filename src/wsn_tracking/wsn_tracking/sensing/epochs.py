@@ -1,40 +1,28 @@
 """Epoch assembly: closes epochs in order, each when the lists say that nothing of it is still to come.
 
 Messages of one epoch come from several publishers and overtake each other; no clock says when it is
-complete. A feeder's EpochEnd, or the sensing nodes' TriggerReports, list what was sent.
+complete. A feeder's EpochEnd, or the sensing nodes' TriggerReports, list what was sent. Only the requests, which
+have one publisher, tell the order of epochs, and where a new run begins.
 """
 
 from __future__ import annotations
 
 from collections import Counter, deque
 from collections.abc import Iterable
-from dataclasses import dataclass, field
 
 from wsn_tracking.errors import TrackingError
-from wsn_tracking.sensing.average import one_a_node
+from wsn_tracking.sensing.average import one_a_node, unusable
+from wsn_tracking.sensing.open_epochs import MAX_OPEN, Key, Listing, OpenEpoch, OpenEpochs
 from wsn_tracking.sensing.values import Epoch, EpochEnd, Measurement, Request, TriggerReport
 
 JUMP_NS = 1_000_000_000  # requests that fall back by more than this are a new run (a looped bag)
-MAX_OPEN = 1000  # epochs held at once
 MAX_LATE = 1000  # late messages held in case a new run's request is still to come
+MAX_AHEAD = 10_000  # messages of a new run held while the old one closes
 FORGET_AFTER = 3  # epochs without its report, and a node is no longer waited for
 
-NO_LOSS = ('used', 'epochs', 'other_node')  # counters of what was not dropped
+NO_LOSS = ('used', 'epochs', 'lists', 'late_list', 'other_node', 'renumbered')  # counters of what was not dropped
 
-Key = tuple[int, int]  # node_id, seq
-
-Listing = EpochEnd | TriggerReport
-
-
-@dataclass
-class _Open:
-    """An epoch that is still filling."""
-
-    request: Request | None = None
-    listed: set[Key] = field(default_factory=set)
-    covered: set[int] = field(default_factory=set)
-    packets: dict[Key, Measurement] = field(default_factory=dict)
-    touched: float = 0.0  # steady time of the last message [s]
+Message = Request | Measurement | Listing
 
 
 class EpochAssembler:
@@ -42,7 +30,11 @@ class EpochAssembler:
 
     roster: the nodes whose measurements count and whose lists are waited for. loss_timeout [s] of silence
     closes an epoch without what is missing and counts it (`lost`), or raises where `lossless` promises that
-    nothing can be missing. `counters` tells what was not used, by reason; nothing is dropped without.
+    nothing can be missing. `counters` tells what was not used, by reason: every message is used (`used`
+    measurements, `lists`, a request an epoch), held, or counted under one reason.
+
+    A new run begins with a request that falls back in time (`runs` grows: whoever tracks starts anew), or in
+    number alone (the target was restarted). The old run's epochs are closed first.
     """
 
     def __init__(
@@ -55,189 +47,257 @@ class EpochAssembler:
     ) -> None:
         self.roster = frozenset(roster)
         self.known = self.roster if known is None else frozenset(known)
-        self.wanted_target = target_id
         self.target_id = target_id
         self.loss_timeout = loss_timeout
         self.lossless = lossless
         self.counters: Counter[str] = Counter()
-        self.runs = 0  # grows when requests jump back: whoever tracks starts anew
-        self._late: deque[Measurement | Listing] = deque(maxlen=MAX_LATE)
+        self.runs = 0
+        self._open = OpenEpochs()
+        self._first: int | None = None  # number of the run's first epoch
+        self._closed: int | None = None  # number of the epoch that was closed last
+        self._newest: Request | None = None
+        self._late: deque[tuple[str, Message]] = deque(maxlen=MAX_LATE)
+        self._ahead: list[Message] = []  # a new run, from its request on, while the old one closes
         self._unreported: Counter[int] = Counter()
-        self._forget()
-
-    def _forget(self) -> None:
-        self._open: dict[int, _Open] = {}
-        self._closed_seq: int | None = None
-        self._closed_stamp = 0
-        self._started = False
 
     # ---- what comes in
 
     def request(self, request: Request, now: float) -> None:
         """A target asks to be located: the stream of requests is what orders epochs."""
-        if not self._is_ours(request.target_id):
-            return
-        if self._started and request.stamp_ns < self._closed_stamp - JUMP_NS:
-            self._begin_anew()
-        elif self._closed_seq is not None and request.seq <= self._closed_seq:
-            if request.stamp_ns <= self._closed_stamp:
-                self.counters['late_request'] += 1
-                return
-            self._renumber()
-        if not self._started:
-            self._started = True
-            for seq in [seq for seq in self._open if seq < request.seq]:
-                self.counters['before_start'] += len(self._open.pop(seq).packets)
-        epoch = self._epoch(request.seq, now)
-        if epoch.request is not None:
-            self.counters['duplicate_request'] += 1
-        epoch.request = epoch.request or request
-        self._revive(request.stamp_ns, now)
+        if self._is_ours(request):
+            self._take_request(request, now)
 
     def measurement(self, packet: Measurement, now: float) -> None:
         """One node's packet."""
-        if not self._is_ours(packet.target_id):
+        if not self._is_ours(packet):
             return
-        if packet.node_id not in self.roster:
+        if packet.node_id in self.roster:
+            self._take_packet(packet, now)
+        else:
             self.counters['other_node' if packet.node_id in self.known else 'unknown_node'] += 1
-            return
-        if self._is_late(packet):
-            self.counters['late'] += 1
-            return
-        epoch = self._epoch(packet.request_seq, now)
-        key = (packet.node_id, packet.seq)
-        if key in epoch.packets:
-            self.counters['duplicate'] += 1
-            return
-        epoch.packets[key] = packet
 
     def listing(self, listing: Listing, now: float) -> None:
         """What was sent in an epoch: by everyone (EpochEnd), or by the nodes that a report names."""
-        if not self._is_ours(listing.target_id) or self._is_late(listing):
+        if not self._is_ours(listing):
             return
-        epoch = self._epoch(listing.request_seq, now)
-        if isinstance(listing, EpochEnd):
-            sent = zip(listing.node_ids, listing.seqs, strict=True)
-            covered: frozenset[int] = self.roster
-        else:
-            sent = zip(listing.sent_ids, listing.sent_seqs, strict=True)
-            covered = self.roster & {*listing.sent_ids, *listing.silent_ids}
-        epoch.listed.update(key for key in sent if key[0] in self.roster)
-        epoch.covered |= covered
+        covered = self._covered(listing)
         for node in covered:
-            self._unreported.pop(node, None)
+            self._unreported.pop(node, None)  # it speaks again, be it late
+        if covered:
+            self._take_list(listing, now)
+        else:
+            self.counters['other_node'] += 1
 
     # ---- what goes out
 
     def closed(self, now: float) -> list[Epoch]:
-        """The epochs that can be closed by now, in order."""
+        """The epochs that can be closed by now, in order; of one run at a time, so call again while there are any."""
+        self._follow(now)
         out = []
-        while self._started and self._open:
-            requested = [seq for seq, epoch in self._open.items() if epoch.request is not None]
-            head = min(self._open)
-            if not requested:
-                break  # the request of what is there is still under way
-            epoch = self._open[head]
+        while (epoch := self._open.head) is not None:
             missing = self._missing(epoch)
-            overtaken = epoch.request is None and min(requested) > head
-            if missing or overtaken:
+            if missing:
                 if now - epoch.touched < self.loss_timeout and len(self._open) <= MAX_OPEN:
                     break
-                self._count_loss(head, epoch, missing)
-            out.append(self._close(head))
+                if self._ahead and self._jumps(self._ahead[0]):
+                    self._discard_open()  # the old run was cut off
+                    break
+                self._count_loss(epoch, missing)
+            out.append(self._close(epoch.seq))
         return out
 
     def deadline(self) -> float | None:
-        """Steady time [s] at which `closed` would give up waiting; None while nothing is open."""
-        if not (self._started and self._open):
-            return None
-        return self._open[min(self._open)].touched + self.loss_timeout
+        """Steady time [s] at which `closed` would give up waiting; None while it waits for nothing."""
+        head = self._open.head
+        return None if head is None else head.touched + self.loss_timeout
 
     @property
     def waits_for(self) -> str:
-        """What the oldest open epoch still lacks, in words; empty when nothing is open."""
-        if not self._open:
-            return '' if self._started else 'the first request'
-        head = min(self._open)
-        return f'epoch {head}: ' + (self._missing(self._open[head]) or 'its request')
+        """What the oldest open epoch still lacks, in words; empty when nothing is awaited."""
+        head = self._open.head
+        if head is not None:
+            return f'epoch {head.seq}: {self._missing(head)}'
+        return 'the first request' if self._first is None else ''
+
+    @property
+    def held(self) -> int:
+        """How many messages wait for others."""
+        return self._open.messages + len(self._ahead)
 
     # ---- within
 
-    def _missing(self, epoch: _Open) -> str:
-        awaited = {node for node in self.roster if self._unreported[node] < FORGET_AFTER}
-        unlisted = sorted(awaited - epoch.covered)
-        lost = sorted(epoch.listed - epoch.packets.keys())
-        parts = []
-        if unlisted:
-            parts.append(f'the list of nodes {unlisted}')
-        if lost:
-            parts.append(f'the measurements (node, seq) {lost}')
-        return ' and '.join(parts)
+    def _take_request(self, request: Request, now: float) -> None:
+        if self._ahead:
+            self._hold(request)
+            return
+        if self._newest is not None and self._begins_run(request, self._newest):
+            self._ahead.append(request)
+            self._follow(now)
+            return
+        if self._first is None:
+            self._first = request.seq
+            for seq in self._open.seqs:
+                if seq < request.seq:
+                    self.counters['before_start'] += self._open.pop(seq).messages
+        if request.seq < self._first or (self._closed is not None and request.seq <= self._closed):
+            self.counters['late_request'] += 1
+        elif not self._open.ask(request, now):
+            self.counters['duplicate_request'] += 1
+        self._count_overflow()
+        if self._newest is None or request.seq > self._newest.seq:
+            self._newest = request
+        self._revive(request, now)
 
-    def _count_loss(self, seq: int, epoch: _Open, missing: str) -> None:
-        if self.lossless:
-            raise TrackingError(
-                f'epoch {seq} lacks {missing or "its request"} after {self.loss_timeout:g} s: a replay loses nothing, '
-                'so its feed is broken or this machine is too slow for `loss_timeout`'
-            )
-        self.counters['lost'] += len(epoch.listed - epoch.packets.keys())
-        self.counters['lost_request'] += epoch.request is None
-        for node in self.roster - epoch.covered:
-            self._unreported[node] += 1
-        self.counters['unlisted_epoch'] += bool(self.roster - epoch.covered)
+    def _take_packet(self, packet: Measurement, now: float) -> None:
+        if self._is_of_next_run(packet):
+            self._hold(packet)
+        elif not self._put_aside(packet, 'late'):
+            self._count(self._open.add(packet, now))
 
-    def _close(self, seq: int) -> Epoch:
-        epoch = self._open.pop(seq)
-        stamps = [epoch.request.stamp_ns] if epoch.request else [p.stamp_ns for p in epoch.packets.values()]
-        stamp = max(stamps, default=self._closed_stamp)
-        self._closed_seq, self._closed_stamp = seq, max(stamp, self._closed_stamp)
-        self.counters['used'] += len(epoch.packets)
-        self.counters['epochs'] += 1
-        return Epoch(self.target_id, seq, stamp, one_a_node(epoch.packets.values()))
+    def _take_list(self, listing: Listing, now: float) -> None:
+        if self._is_of_next_run(listing):
+            self._hold(listing)
+        elif not self._put_aside(listing, 'late_list'):
+            sent = {key for key in _entries(listing) if key[0] in self.roster}
+            self._count(self._open.cover(listing, self._covered(listing), sent, now))
 
-    def _is_ours(self, target_id: int) -> bool:
+    def _covered(self, listing: Listing) -> frozenset[int]:
+        if isinstance(listing, EpochEnd):
+            return self.roster
+        return self.roster & {*listing.sent_ids, *listing.silent_ids}
+
+    def _is_ours(self, message: Message) -> bool:
         if self.target_id < 0:
-            self.target_id = target_id
-        if target_id != self.target_id:
+            self.target_id = message.target_id
+        if message.target_id != self.target_id:
             self.counters['other_target'] += 1
             return False
         return True
 
-    def _is_late(self, message: Measurement | Listing) -> bool:
-        if self._closed_seq is None or message.request_seq > self._closed_seq:
+    def _put_aside(self, message: Measurement | Listing, late: str) -> bool:
+        """Whether a message comes too late; it is kept for a while, since a new run's request may be on its way."""
+        if self._first is not None and message.request_seq < self._first:
+            late = 'before_start'
+        elif self._closed is None or message.request_seq > self._closed:
             return False
-        self._late.append(message)
+        self.counters[late] += 1
+        self._late.append((late, message))
         return True
 
-    def _epoch(self, seq: int, now: float) -> _Open:
-        epoch = self._open.setdefault(seq, _Open())
-        epoch.touched = now
-        return epoch
-
-    def _begin_anew(self) -> None:
-        self.counters['discarded_by_reset'] += sum(len(epoch.packets) for epoch in self._open.values())
-        self._forget()
-        self._unreported.clear()
-        self.runs += 1
-
-    def _renumber(self) -> None:
-        """The target counts anew (it was restarted), but time goes on: only the order starts again."""
-        self.counters['renumbered'] += 1
-        self.counters['discarded_by_reset'] += sum(len(epoch.packets) for epoch in self._open.values())
-        self._open.clear()
-        self._closed_seq = None
-        self._started = False
-
-    def _revive(self, stamp_ns: int, now: float) -> None:
-        """What came before the request of a new run looked late: it counts after all."""
+    def _revive(self, request: Request, now: float) -> None:
+        """What overtook the request of a new run looked late: it counts after all."""
         held, self._late = self._late, deque(maxlen=MAX_LATE)
-        for message in held:
-            if message.stamp_ns > stamp_ns:
-                self._late.append(message)
-            elif message.stamp_ns < stamp_ns:
-                continue
-            elif isinstance(message, (EpochEnd, TriggerReport)):
-                self.listing(message, now)
-            else:
-                self.counters['late'] -= 1
-                self.measurement(message, now)
+        for reason, message in held:
+            if message.stamp_ns > request.stamp_ns:
+                self._late.append((reason, message))
+            elif message.stamp_ns == request.stamp_ns:
+                self.counters[reason] -= 1
+                self._add(message, now)
+
+    def _add(self, message: Message, now: float) -> None:
+        if isinstance(message, Request):
+            self._take_request(message, now)
+        elif isinstance(message, (EpochEnd, TriggerReport)):
+            self._take_list(message, now)
+        else:
+            self._take_packet(message, now)
+
+    def _count(self, reason: str) -> None:
+        if reason:
+            self.counters[reason] += 1
+        self._count_overflow()
+
+    def _count_overflow(self) -> None:
+        if self._open.gave_way:
+            self.counters['overflow'] += self._open.gave_way
+            self._open.gave_way = 0
+
+    # ---- closing
+
+    def _missing(self, epoch: OpenEpoch) -> str:
+        return epoch.missing(node for node in self.roster if self._unreported[node] < FORGET_AFTER)
+
+    def _count_loss(self, epoch: OpenEpoch, missing: str) -> None:
+        if self.lossless:
+            raise TrackingError(
+                f'epoch {epoch.seq} lacks {missing} after {self.loss_timeout:g} s: a replay loses nothing, so its feed '
+                'is broken or this machine is too slow for `loss_timeout`'
+            )
+        unlisted = self.roster - epoch.covered
+        for node in unlisted:
+            self._unreported[node] += 1
+        losses = {'lost': len(epoch.lost), 'lost_request': epoch.request is None, 'unlisted_epoch': bool(unlisted)}
+        self.counters.update({reason: int(count) for reason, count in losses.items() if count})
+
+    def _close(self, seq: int) -> Epoch:
+        epoch = self._open.pop(seq)
+        self._closed = seq
+        sent = epoch.sent()
+        measurements = one_a_node(sent)
+        invalid = unusable(sent) - unusable(measurements)  # those that remain are refused by whoever reads the epoch
+        counts = {
+            'used': len(sent) - invalid,
+            'invalid': invalid,
+            'late': len(epoch.packets) - len(sent),
+            'lists': len(epoch.lists),
+            'epochs': 1,
+        }
+        self.counters.update({name: count for name, count in counts.items() if count})
+        return Epoch(self.target_id, seq, epoch.stamp_ns, measurements)
+
+    # ---- runs
+
+    def _begins_run(self, request: Request, newest: Request) -> bool:
+        back_in_time = request.stamp_ns < newest.stamp_ns - JUMP_NS
+        return back_in_time or (request.seq <= newest.seq and request.stamp_ns > newest.stamp_ns)
+
+    def _jumps(self, message: Message) -> bool:
+        """Whether a run that begins with this request falls back in time, not only in number."""
+        return self._newest is not None and message.stamp_ns < self._newest.stamp_ns
+
+    def _is_of_next_run(self, message: Measurement | Listing) -> bool:
+        """While an old run closes: whether a message is not one that it lacks."""
+        if not self._ahead:
+            return False
+        epoch = self._open.get(message.request_seq)
+        if epoch is None or epoch.request is None:
+            return True
+        if abs(message.stamp_ns - epoch.stamp_ns) > abs(message.stamp_ns - self._ahead[0].stamp_ns):
+            return True
+        if isinstance(message, (EpochEnd, TriggerReport)):
+            return epoch.covered.issuperset(self._covered(message))
+        return (message.node_id, message.seq) in epoch.packets
+
+    def _hold(self, message: Message) -> None:
+        if len(self._ahead) >= MAX_AHEAD:
+            self.counters['overflow'] += 1
+        else:
+            self._ahead.append(message)
+
+    def _follow(self, now: float) -> None:
+        """Begin the next run when the last one is closed."""
+        if not self._ahead or self._open.head is not None:
+            return
+        first, *others = self._ahead
+        if self._jumps(first):
+            self.runs += 1
+            self._unreported.clear()
+        else:
+            self.counters['renumbered'] += 1
+        self._discard_open()
+        self._ahead, self._first, self._closed, self._newest = [], None, None, None
+        for message in (first, *others):
+            self._add(message, now)
+
+    def _discard_open(self) -> None:
+        """Drop what is open; a message of the run to come that overtook its request is kept for that."""
+        for seq in self._open.seqs:
+            epoch = self._open.pop(seq)
+            self.counters['discarded_by_reset'] += epoch.messages
+            self._late.extend(('discarded_by_reset', m) for m in (*epoch.packets.values(), *epoch.lists))
+
+
+def _entries(listing: Listing) -> Iterable[Key]:
+    if isinstance(listing, EpochEnd):
+        return zip(listing.node_ids, listing.seqs, strict=False)
+    return zip(listing.sent_ids, listing.sent_seqs, strict=False)

@@ -1,0 +1,52 @@
+"""When a node is well: the WARN and ERROR conditions of docs/diagnostics.md as pure functions."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from typing import NamedTuple
+
+OK, WARN, ERROR = b'\x00', b'\x01', b'\x02'  # DiagnosticStatus.OK, WARN, ERROR
+
+
+class Health(NamedTuple):
+    """Level and one sentence."""
+
+    level: bytes
+    sentence: str
+
+
+def worst(*conditions: Health) -> Health:
+    """The first of those with the highest level."""
+    return max(conditions, key=lambda health: health.level)
+
+
+def flow(age: float | None, ended: bool, timeout: float) -> Health:
+    """No request yet is no error; requests that stopped before the feed ended are. age [s] of the last one."""
+    if age is None:
+        return Health(OK, 'no data yet')
+    if ended:
+        return Health(OK, 'the feed has ended')
+    if age > timeout:
+        return Health(ERROR, f'no request for {age:.1f} s')
+    return Health(OK, 'running')
+
+
+def peers(absent: Collection[int]) -> Health:
+    """A peer is absent after three epochs without its local estimate."""
+    if absent:
+        return Health(WARN, f'estimators {sorted(absent)} have been silent for 3 epochs')
+    return Health(OK, '')
+
+
+def outputs(given_up: Collection[str]) -> Health:
+    """An output is given up after `output_timeout` of silence while epochs wait for it."""
+    if given_up:
+        return Health(WARN, f'silent outputs: {sorted(given_up)}')
+    return Health(OK, '')
+
+
+def truth(estimates: int, poses: int) -> Health:
+    """Estimates without any truth cannot be scored."""
+    if estimates and not poses:
+        return Health(WARN, 'estimates come, but no truth')
+    return Health(OK, '')
