@@ -4,7 +4,7 @@
 
 # make run BAG=path takes another bag.
 run:
-	./wsn-tracking replay $(or $(BAG),bags/a_loop)
+	./wsn-tracking replay $(or $(BAG),bags/a_loop) --rate max
 
 # pytest comes last, so that its closing line is the last line.
 test:

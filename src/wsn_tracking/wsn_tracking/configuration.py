@@ -13,8 +13,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import yaml
-
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.parameters import group, param, specs
 from wsn_tracking.sensing.stage import TriggerConfig
@@ -176,6 +174,8 @@ class Configuration:
 
 def load_configuration(name: str) -> Configuration:
     """Read and check a configuration; an unknown parameter is refused with the nearest known one."""
+    import yaml  # no node needs it: ROS reads parameter files for them
+
     path = find_configuration(name)
     try:
         content = yaml.safe_load(path.read_text('utf-8'))
@@ -200,6 +200,8 @@ def parse_setting(text: str) -> tuple[str, Any]:
     if not separator:
         raise TrackingError(f'setting {text!r}: expected name=value, e.g. trigger.kind=near')
     _check_known(name, f'setting {text!r}')
+    import yaml
+
     try:
         return name, yaml.safe_load(value)
     except yaml.YAMLError as error:

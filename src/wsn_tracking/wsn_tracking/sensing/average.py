@@ -4,53 +4,83 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from typing import TypeVar
 
-from wsn_tracking.sensing.values import Measurement, Range, RangeBearing, Rssi
+from wsn_tracking.sensing.values import NAN, Measurement, Range, RangeBearing, Rssi
 
-Value = TypeVar('Value', Rssi, Range, RangeBearing)
+USABLE_DBM = (-127.0, 20.0)  # what a receiver can say; +127 and -128 are how radios spell `no value`
+USABLE_M = 1e5  # no radio of a sensor network reaches so far
+UNKNOWN_STD = 1e6  # a deviation of so much says nothing
+
+
+def usable(packet: Measurement) -> bool:
+    """Whether the number can be true at all: a signal strength that radios can say, a positive finite range.
+
+    A deviation may be unknown (NaN), but not zero or negative. What a bearing lacks is NaN, and a value of its own.
+    """
+    if isinstance(packet, Rssi):
+        return USABLE_DBM[0] <= packet.rssi_dbm <= USABLE_DBM[1] and not packet.sigma_db <= 0.0
+    if isinstance(packet, Range):
+        return 0.0 < packet.range < USABLE_M and not packet.variance <= 0.0
+    return True
+
+
+def unusable(packets: Iterable[Measurement]) -> int:
+    """How many of the packets cannot be true."""
+    return sum(not usable(packet) for packet in packets)
 
 
 def one_a_node(packets: Iterable[Measurement]) -> tuple[Measurement, ...]:
-    """At most one measurement a node, ascending by node id, whatever the order of arrival."""
+    """At most one measurement a node, ascending by node id, whatever the order of arrival.
+
+    The mean of a node's usable packets; where none is usable, its last one, for whoever reads it to refuse.
+    """
     by_node: dict[int, list[Measurement]] = {}
     for packet in sorted(packets, key=lambda p: (p.node_id, p.seq)):
         by_node.setdefault(packet.node_id, []).append(packet)
-    return tuple(same[0] if len(same) == 1 else _average(same) for same in by_node.values())
+    return tuple(_one([p for p in same if usable(p)] or same[-1:]) for same in by_node.values())
 
 
-def _average(packets: Sequence[Measurement]) -> Measurement:
-    first = packets[0]
-    if isinstance(first, Rssi):
+def _one(packets: Sequence[Measurement]) -> Measurement:
+    last = packets[-1]
+    if len(packets) == 1:
+        return last
+    if isinstance(last, Rssi):
         return _average_rssi([p for p in packets if isinstance(p, Rssi)])
-    if isinstance(first, Range):
+    if isinstance(last, Range):
         return _average_range([p for p in packets if isinstance(p, Range)])
-    return packets[-1]  # a bearing has no mean worth the name: the latest counts
+    # a bearing has no mean worth the name: the latest that arrived counts
+    return max((p for p in packets if isinstance(p, RangeBearing)), key=lambda p: (p.arrived, p.seq))
 
 
 def _average_rssi(packets: Sequence[Rssi]) -> Rssi:
-    weights = [p.n_samples for p in packets]
+    weights = _weights(packets)
     return packets[-1]._replace(
         rssi_dbm=_mean([p.rssi_dbm for p in packets], weights),
-        sigma_db=_mean_std([p.sigma_db for p in packets], weights),
+        sigma_db=_std_of_mean([p.sigma_db for p in packets], weights),
         n_samples=sum(weights),
     )
 
 
 def _average_range(packets: Sequence[Range]) -> Range:
-    weights = [p.n_samples for p in packets]
+    weights = _weights(packets)
     return packets[-1]._replace(
         range=_mean([p.range for p in packets], weights),
-        variance=_mean_std([math.sqrt(p.variance) for p in packets], weights) ** 2,
-        rssi_dbm=_mean([p.rssi_dbm for p in packets], weights),
+        variance=_std_of_mean([math.sqrt(p.variance) for p in packets], weights) ** 2,
+        rssi_dbm=_mean([p.rssi_dbm if math.isfinite(p.rssi_dbm) else NAN for p in packets], weights),
         n_samples=sum(weights),
     )
+
+
+def _weights(packets: Sequence[Rssi | Range]) -> list[int]:
+    return [max(p.n_samples, 1) for p in packets]
 
 
 def _mean(values: Sequence[float], weights: Sequence[int]) -> float:
     return math.fsum(w * v for w, v in zip(weights, values, strict=True)) / sum(weights)
 
 
-def _mean_std(stds: Sequence[float], weights: Sequence[int]) -> float:
-    """Standard deviation of a weighted mean of independent values."""
+def _std_of_mean(stds: Sequence[float], weights: Sequence[int]) -> float:
+    """Standard deviation of a weighted mean of independent values; NaN where that of one of them is not known."""
+    if not all(std < UNKNOWN_STD for std in stds):
+        return NAN
     return math.sqrt(math.fsum((w * s) ** 2 for w, s in zip(weights, stds, strict=True))) / sum(weights)

@@ -14,9 +14,8 @@ from wsn_tracking.models.draws import keyed
 from wsn_tracking.models.radio import range_at, relative_range_std
 from wsn_tracking.parameters import param
 from wsn_tracking.sensing import trigger
+from wsn_tracking.sensing.average import usable
 from wsn_tracking.sensing.values import Epoch, Modality, Range, Reason, Rssi, TriggerReport
-
-USABLE_DBM = (-127.0, 20.0)  # what a receiver can say; +127 and -128 are how radios spell `no value`
 
 
 @dataclass(frozen=True)
@@ -75,9 +74,7 @@ class SensingStage:
         """Apply the trigger to an epoch's Rssi values and invert what is sent into ranges."""
         ids = self.anchors.ids
         heard: dict[int, Rssi] = {p.node_id: p for p in epoch.measurements if isinstance(p, Rssi)}
-        told = np.array([heard[i].rssi_dbm if i in heard else np.nan for i in ids.tolist()])
-        usable = (told >= USABLE_DBM[0]) & (told <= USABLE_DBM[1])
-        y = np.where(usable, told, np.nan)
+        y = np.array([heard[i].rssi_dbm if i in heard and usable(heard[i]) else np.nan for i in ids.tolist()])
         self._yhat, verdict = self._trigger(self._yhat, y, self._uniform(epoch.request_seq))
         ranges, seqs, silent, reasons = [], [], [], []
         z = range_at(self.anchors, y)
@@ -85,7 +82,7 @@ class SensingStage:
         for row, node in enumerate(ids.tolist()):
             if verdict[row] != trigger.SENT:
                 silent.append(node)
-                invalid = node in heard and not usable[row]
+                invalid = node in heard and not usable(heard[node])
                 reasons.append(int(Reason.INVALID if invalid else verdict[row]))
                 continue
             packet = heard[node]

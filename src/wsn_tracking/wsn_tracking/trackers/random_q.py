@@ -24,7 +24,7 @@ from wsn_tracking.models.motion import constant_velocity
 from wsn_tracking.models.noise import scaled_identity, white_acceleration
 from wsn_tracking.models.radio import relative_range_std
 from wsn_tracking.parameters import group, param
-from wsn_tracking.sensing.stage import USABLE_DBM
+from wsn_tracking.sensing.average import usable
 from wsn_tracking.sensing.values import Epoch, Modality, Range, Rssi
 from wsn_tracking.trackers.estimate import Estimate, Kind
 
@@ -179,13 +179,6 @@ class MeasurementTable:
             share = std / z
             return z, h, lambda x: share[..., None, :] * h(x)
         return z, h, constant_noise(std)
-
-
-def usable(packet: Range | Rssi) -> bool:
-    """Whether the number can be true at all: a positive finite range, a signal strength that radios can say."""
-    if isinstance(packet, Rssi):
-        return USABLE_DBM[0] <= packet.rssi_dbm <= USABLE_DBM[1] and not packet.sigma_db <= 0.0
-    return 0.0 < packet.range < 1e5 and not packet.variance <= 0.0
 
 
 class LocalEstimator:
