@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import difflib
 import os
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -151,7 +152,7 @@ def find_configuration(name: str) -> Path:
     """The file of a configuration, by path or by the name of one that comes with the package."""
     candidates = [Path(name), *(folder / f'{name}.yaml' for folder in share_folders('config'))]
     for path in candidates:
-        if path.is_file():
+        if os.path.isfile(path):  # noqa: PTH113 (pathlib raises where a name is too long)
             return path
     raise TrackingError(
         f'no configuration `{name}`: expected a file or one of {", ".join(configuration_names()) or "(none found)"}'
@@ -178,7 +179,7 @@ def load_configuration(name: str) -> Configuration:
 
     path = find_configuration(name)
     try:
-        content = yaml.safe_load(path.read_text('utf-8'))
+        content = _parse(path.read_text('utf-8'))
     except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
         reason = ' '.join(str(error).split())
         raise TrackingError(f'{path} is no readable YAML: {reason}') from error
@@ -203,9 +204,27 @@ def parse_setting(text: str) -> tuple[str, Any]:
     import yaml
 
     try:
-        return name, yaml.safe_load(value)
+        return name, _parse(value)
     except yaml.YAMLError as error:
         raise TrackingError(f'setting {text!r}: the value is no YAML') from error
+
+
+class _Loader(yaml.SafeLoader):  # type: ignore[misc]
+    """YAML as ROS 2 reads it: 1e-3 is a number."""
+
+
+_Loader.add_implicit_resolver(
+    'tag:yaml.org,2002:float', re.compile(r'[-+]?(\d+\.?\d*|\.\d+)[eE][-+]?\d+$'), list('-+.0123456789')
+)
+
+
+def _parse(text: str) -> Any:
+    """Parsed YAML; YAMLError for whatever cannot be parsed."""
+    try:
+        return yaml.load(text, _Loader)
+    except (ValueError, TypeError, LookupError, AttributeError, RecursionError) as error:
+        # what SafeLoader's own constructors raise, e.g. for the thirteenth month
+        raise yaml.YAMLError(str(error) or type(error).__name__) from error
 
 
 def _flat(values: Mapping[str, Any], prefix: str = '') -> Iterator[tuple[str, Any]]:

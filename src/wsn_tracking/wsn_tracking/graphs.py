@@ -50,6 +50,11 @@ class Source(NamedTuple):
     targets: tuple[int, ...]  # in the order of their first message
     metadata: Mapping[str, str]
 
+    @property
+    def area(self) -> tuple[float, ...]:
+        """x_min, y_min, x_max, y_max [m]; empty where the feed knows none."""
+        return tuple(float(edge) for edge in self.metadata.get('area', '').split())
+
 
 class Plan(NamedTuple):
     """System A on one feed: the parameters of its sensing stage (none where ranges come as such) and estimators."""
@@ -124,8 +129,8 @@ def _from_metadata(source: Source) -> dict[str, Any]:
     """Parameters that a bag knows of itself."""
     values: dict[str, Any] = {}
     try:
-        if 'area' in source.metadata:
-            values['area'] = [float(edge) for edge in source.metadata['area'].split()]
+        if source.area:
+            values['area'] = list(source.area)
         if 'target_height' in source.metadata:
             values['target_height'] = float(source.metadata['target_height'])
         if 'period' in source.metadata:

@@ -8,12 +8,19 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import sys
 from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple, TypeVar, get_type_hints
 
 from wsn_tracking.errors import TrackingError
 
 Config = TypeVar('Config')
+
+
+ELEMENTS = {int: 'integers', float: 'numbers', str: 'texts'}
+MAX_INT = 2**63 - 1  # ROS parameters are of 64 bits
+MAX_FLOAT = sys.float_info.max
+MAX_SHOWN = 100  # characters of a refused value
 
 
 class Spec(NamedTuple):
@@ -32,7 +39,7 @@ class Spec(NamedTuple):
         """What a value must be, in words."""
         kind = {bool: 'true or false', int: 'an integer', float: 'a number', str: 'a text'}
         if isinstance(self.default, tuple):
-            words = f'a list of {"integers" if _element(self) is int else "numbers"}'
+            words = f'a list of {ELEMENTS[_element(self)]}'
         else:
             words = kind[type(self.default)]
         if self.choices:
@@ -93,7 +100,9 @@ def check(spec: Spec, value: Any) -> Any:
     """The value in the type of the default; TrackingError where it is not what is expected."""
     if isinstance(spec.default, tuple):
         wanted = _element(spec)
-        items = value if isinstance(value, (list, tuple)) or hasattr(value, 'tolist') else _refuse(spec, value)
+        items = value.tolist() if hasattr(value, 'tolist') else value  # array.array, as rclpy gives it
+        if not isinstance(items, (list, tuple)):
+            _refuse(spec, value)
         return tuple(_scalar(spec, wanted, item, value) for item in items)
     return _scalar(spec, type(spec.default), value, value)
 
@@ -103,16 +112,22 @@ def _element(spec: Spec) -> type:
 
 
 def _scalar(spec: Spec, wanted: type, item: Any, seen: Any) -> Any:
-    if wanted is float and isinstance(item, int) and not isinstance(item, bool):
-        item = float(item)
-    if not isinstance(item, wanted) or (wanted is int and isinstance(item, bool)):
+    accepted = (int, float) if wanted is float else wanted
+    if not isinstance(item, accepted) or (wanted is not bool and isinstance(item, bool)):
         _refuse(spec, seen)
-    if isinstance(item, (int, float)) and not (math.isfinite(item) and spec.low <= item <= spec.high):
+    limit = MAX_INT if wanted is int else MAX_FLOAT
+    if isinstance(item, (int, float)) and not (spec.low <= item <= spec.high and abs(item) <= limit):
         _refuse(spec, seen)
+    item = float(item) if wanted is float else item
     if spec.choices and item not in spec.choices:
         _refuse(spec, seen)
     return item
 
 
-def _refuse(spec: Spec, seen: Any) -> Any:
-    raise TrackingError(f'parameter `{spec.name}` is {seen!r}: expected {spec.expected} ({spec.why})')
+def _refuse(spec: Spec, seen: Any) -> None:
+    try:
+        shown = repr(seen)
+    except ValueError:  # Python does not write integers of more than 4300 digits
+        shown = 'a huge number'
+    shown = shown if len(shown) <= MAX_SHOWN else shown[:MAX_SHOWN] + '...'
+    raise TrackingError(f'parameter `{spec.name}` is {shown}: expected {spec.expected} ({spec.why})')

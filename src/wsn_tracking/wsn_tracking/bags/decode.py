@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from rosbags.interfaces import Nodetype
 from rosbags.serde import SerdeError
 
+from wsn_tracking.bags.slices import Slices, gather, slices_of
 from wsn_tracking.bags.types import typestore
 
 CODES = {  # CDR base type -> little-endian NumPy type
@@ -136,24 +137,25 @@ def _shape(type_name: str, cdr: bytes) -> _Shape:
     return _Shape(dtype, np.array(cursor.marks), constants, tuple(flags))
 
 
-def decode(type_name: str, cdrs: Sequence[bytes], fast: bool = True) -> tuple[list[Group], int]:
+def decode(type_name: str, messages: Slices | Sequence[bytes], fast: bool = True) -> tuple[list[Group], int]:
     """Decode messages of one type.
 
     Returns groups that together hold every message that could be decoded, once, and the number of those that
     could not. `fast=False` sends each through the typestore (the reference that tests compare with).
     """
+    slices = messages if isinstance(messages, Slices) else slices_of(messages)
     groups: list[Group] = []
     slow: list[int] = []
-    sizes = np.fromiter(map(len, cdrs), dtype=np.int64, count=len(cdrs))
+    sizes = slices.stops - slices.starts
     for size in np.unique(sizes).tolist():
         rows = np.flatnonzero(sizes == size)
         if not fast or rows.size < MIN_GROUP or size < 4:
             slow.extend(rows.tolist())
         else:
-            slow.extend(_by_shape(type_name, cdrs, rows, groups))
+            slow.extend(_by_shape(type_name, slices, rows, groups))
     bad = 0
     for row in slow:
-        columns = _by_store(type_name, cdrs[row])
+        columns = _by_store(type_name, slices.one(row))
         if columns is None:
             bad += 1
         else:
@@ -161,11 +163,12 @@ def decode(type_name: str, cdrs: Sequence[bytes], fast: bool = True) -> tuple[li
     return groups, bad
 
 
-def _by_shape(type_name: str, cdrs: Sequence[bytes], rows: NDArray[np.int64], groups: list[Group]) -> Iterator[int]:
+def _by_shape(type_name: str, messages: Slices, rows: NDArray[np.int64], groups: list[Group]) -> Iterator[int]:
     """Append a group for each shape among messages of one length; yields the rows that are left over."""
+    size = int(messages.stops[rows[0]] - messages.starts[rows[0]])
+    data = gather(messages.data, messages.starts[rows], np.dtype(f'V{size}'))
+    data = data.view(np.uint8).reshape(rows.size, size)
     left = rows
-    picked = cdrs if rows.size == len(cdrs) else [cdrs[row] for row in rows.tolist()]
-    data = np.frombuffer(b''.join(picked), dtype=np.uint8).reshape(rows.size, -1)
     for _ in range(MAX_SHAPES):
         if left.size < MIN_GROUP:
             break

@@ -17,6 +17,7 @@ from wsn_tracking.bags.folder import Qos, bag_files, default_qos, parse_qos
 from wsn_tracking.bags.messages import PLAIN, anchors_of, plain_values, truth_of
 from wsn_tracking.bags.scan import RawLog, in_log_order, scan
 from wsn_tracking.bags.select import FLOW, check_definition, entry_level, in_namespace, losses, own_channels
+from wsn_tracking.bags.slices import joined
 from wsn_tracking.bags.types import truth_target
 from wsn_tracking.bags.write import RECORD
 from wsn_tracking.errors import TrackingError
@@ -40,7 +41,7 @@ def raw_messages(path: Path | str) -> Iterator[RawMessage]:
     """Every intact message of a bag (rosbag2 folder or .mcap file), in the order of the log."""
     log = _load(Path(path))[0]
     known = [(t.topic, t.type_name, parse_qos(t.qos, default_qos(t.topic))) for t in log.topics]
-    for at, log_ns, cdr in zip(log.topic_of.tolist(), log.log_ns.tolist(), log.cdrs, strict=True):
+    for at, log_ns, cdr in zip(log.topic_of.tolist(), log.log_ns.tolist(), log.messages.all(), strict=True):
         topic, type_name, qos = known[at]
         yield RawMessage(log_ns, topic, type_name, cdr, qos)
 
@@ -107,30 +108,24 @@ def _load(path: Path) -> tuple[RawLog, dict[str, str]]:
         tuple(topic for log in logs for topic in log.topics),
         np.concatenate(indices),
         np.concatenate([log.log_ns for log in logs]),
-        logs[0].cdrs if len(logs) == 1 else [cdr for log in logs for cdr in log.cdrs],
+        logs[0].messages if len(logs) == 1 else joined([log.messages for log in logs]),
         {},
         dict(dropped),
     )
     return in_log_order(whole), metadata
 
 
-def _rows(log: RawLog, row: int) -> tuple[NDArray[np.int64], list[bytes]]:
-    """Positions in the log and bytes of one topic's messages."""
-    at = np.flatnonzero(log.topic_of == row)
-    return at, [log.cdrs[k] for k in at.tolist()]
-
-
 def _decode(log: RawLog, row: int, dropped: Counter[str]) -> tuple[NDArray[np.int64], list[Group]]:
     check_definition(log.topics[row])
-    at, cdrs = _rows(log, row)
-    groups, bad = decode(log.topics[row].type_name, cdrs)
+    at = np.flatnonzero(log.topic_of == row)
+    groups, bad = decode(log.topics[row].type_name, log.messages.select(at))
     dropped['undecodable'] += bad
     return at, groups
 
 
 def _messages(log: RawLog, rows: Mapping[int, str], dropped: Counter[str]) -> tuple[Message, ...]:
-    place = np.empty(len(log.cdrs), dtype=object)
-    filled = np.zeros(len(log.cdrs), dtype=np.bool_)
+    place = np.empty(log.topic_of.size, dtype=object)
+    filled = np.zeros(log.topic_of.size, dtype=np.bool_)
     for row in rows:
         kind = _KINDS[log.topics[row].type_name]
         at, groups = _decode(log, row, dropped)

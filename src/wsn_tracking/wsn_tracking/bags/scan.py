@@ -10,26 +10,23 @@ from __future__ import annotations
 import struct
 from array import array
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from io import BytesIO
 from pathlib import Path
 from typing import NamedTuple, TypeVar
 
-import lz4.frame  # type: ignore[import-untyped]
 import numpy as np
-import zstandard
 from mcap.data_stream import ReadDataStream
 from mcap.exceptions import McapError
 from mcap.opcode import Opcode
 from mcap.records import Channel, Chunk, Metadata, Schema
-from mcap.stream_reader import get_chunk_data_stream
 from numpy.typing import NDArray
 
+from wsn_tracking.bags.chunks import HEAD, SHORTEST, beginning, content, indexed
+from wsn_tracking.bags.slices import Slices, gather, joined
 from wsn_tracking.errors import TrackingError
 
 MAGIC = b'\x89MCAP0\r\n'
-MAX_CHUNK = 2**30  # [bytes] a chunk that claims more is damaged
-_MESSAGE = struct.Struct('<QH4xQ8x')  # after the opcode: length, channel, (sequence,) log time (, publish time)
 _RECORD = struct.Struct('<BQ')
 R = TypeVar('R')
 
@@ -50,9 +47,17 @@ class RawLog(NamedTuple):
     topics: tuple[RawTopic, ...]
     topic_of: NDArray[np.int64]  # (M,) row in `topics` of each message
     log_ns: NDArray[np.uint64]  # (M,)
-    cdrs: list[bytes]
+    messages: Slices  # (M,)
     metadata: dict[str, dict[str, str]]  # MCAP Metadata records by name
     dropped: dict[str, int]
+
+
+class _Part(NamedTuple):
+    """Messages of one chunk, or between two chunks."""
+
+    channels: NDArray[np.uint16]
+    log_ns: NDArray[np.uint64]
+    messages: Slices
 
 
 class _Found:
@@ -62,10 +67,18 @@ class _Found:
         self.schemas: dict[int, Schema] = {}
         self.channels: dict[int, Channel] = {}
         self.metadata: dict[str, dict[str, str]] = {}
-        self.ids = array('H')  # channel of each message
-        self.logs = array('Q')  # [ns]
-        self.cdrs: list[bytes] = []
+        self.parts: list[_Part] = []
         self.dropped: Counter[str] = Counter()
+        self.chunk: Chunk | None = None  # waits for its index records, which follow it
+        self.indexes: list[bytes] = []
+
+    def add(self, data: bytes, at: NDArray[np.int64], heads: NDArray[np.void] | None = None) -> None:
+        """Note the messages whose records begin at these places."""
+        if at.size:
+            heads = gather(data, at, HEAD) if heads is None else heads
+            stops = at + 9 + heads['length'].astype(np.int64)
+            slices = Slices(data, at + HEAD.itemsize, stops)
+            self.parts.append(_Part(heads['channel'], heads['log_ns'], slices))
 
 
 def scan(path: Path) -> RawLog:
@@ -79,105 +92,98 @@ def scan(path: Path) -> RawLog:
     if not data.startswith(MAGIC):
         raise TrackingError(f'{path} is no MCAP file: it begins with {data[:8]!r}, expected {MAGIC!r}')
     found = _Found()
-    if not _walk(data, len(MAGIC), found, nested=False):
+    if not _file(data, found):
         found.dropped['truncated'] += 1
     return _log(found)
 
 
-def _walk(data: bytes, at: int, found: _Found, nested: bool) -> bool:
-    """Note every record of a file (or chunk, `nested`); False where the data ends too early."""
+def _records(data: bytes, at: int) -> Iterator[tuple[int, int, int]]:
+    """Opcode, begin and end of each record; the last one may end beyond the data: it is cut off."""
     end = len(data)
-    add_id, add_log, add_cdr = found.ids.append, found.logs.append, found.cdrs.append
-    unpack, message = _MESSAGE.unpack_from, int(Opcode.MESSAGE)
-    while at < end:
-        if data[at] == message and at + 31 <= end:
-            length, channel, log_ns = unpack(data, at + 1)
-            stop = at + 9 + length
-            if length >= 22 and stop <= end:
-                add_id(channel)
-                add_log(log_ns)
-                add_cdr(data[at + 31 : stop])
-                at = stop
-                continue
-        if at + 9 > end:
-            return False
+    while at + _RECORD.size <= end:
         opcode, length = _RECORD.unpack_from(data, at)
-        content = data[at + 9 : at + 9 + length]
-        whole = len(content) == length
-        if opcode == Opcode.CHUNK and not nested:
-            _chunk(content, found)
-        elif whole:
-            _note(opcode, content, found)
-        if not whole:
-            return False
-        at += 9 + length
+        stop = at + _RECORD.size + length
+        yield opcode, at, stop
+        at = stop
+
+
+def _file(data: bytes, found: _Found) -> bool:
+    """Note every record of a file; False where it ends too early."""
+    loose = array('q')  # messages outside of chunks
+    complete = False
+    for opcode, at, stop in _records(data, len(MAGIC)):
+        record = data[at + _RECORD.size : stop]
+        if opcode == Opcode.MESSAGE_INDEX:
+            found.indexes.append(record)
+            continue
+        _settle(found)
+        if opcode == Opcode.CHUNK:
+            found.add(data, _places(loose))
+            loose = array('q')
+            found.chunk = _parsed(Chunk.read, record, found)
+        elif stop <= len(data):
+            _note(opcode, at, record, found, loose)
         if opcode == Opcode.FOOTER:
-            return nested or data[at:] == MAGIC
-    return nested
+            complete = data[stop:] == MAGIC
+            break
+    _settle(found)
+    found.add(data, _places(loose))
+    return complete
 
 
-def _note(opcode: int, content: bytes, found: _Found) -> None:
-    if opcode == Opcode.SCHEMA:
-        if schema := _record(Schema.read, content, found):
+def _settle(found: _Found) -> None:
+    """Take the messages out of the chunk that waits."""
+    chunk, indexes = found.chunk, found.indexes
+    found.chunk, found.indexes = None, []
+    if chunk is None:
+        return
+    data = content(chunk)
+    if data is None:
+        found.dropped['damaged'] += 1
+        data = beginning(chunk)
+    if hint := indexed(data, indexes):
+        heads, at = hint
+        found.add(data, at, heads)
+        return
+    places = array('q')
+    for opcode, start, stop in _records(data, 0):
+        if stop <= len(data):
+            _note(opcode, start, data[start + _RECORD.size : stop], found, places)
+    found.add(data, _places(places))
+
+
+def _places(at: array[int]) -> NDArray[np.int64]:
+    return np.array(at, dtype=np.int64)
+
+
+def _note(opcode: int, at: int, record: bytes, found: _Found, messages: array[int]) -> None:
+    """Note one whole record that begins at `at`."""
+    if opcode == Opcode.MESSAGE:
+        if len(record) >= SHORTEST:
+            messages.append(at)
+        else:
+            found.dropped['damaged'] += 1
+    elif opcode == Opcode.SCHEMA:
+        if schema := _parsed(Schema.read, record, found):
             found.schemas.setdefault(schema.id, schema)
     elif opcode == Opcode.CHANNEL:
-        if channel := _record(Channel.read, content, found):
+        if channel := _parsed(Channel.read, record, found):
             found.channels.setdefault(channel.id, channel)
-    elif opcode == Opcode.METADATA:
-        if metadata := _record(Metadata.read, content, found):
-            found.metadata[metadata.name] = metadata.metadata
-    elif opcode == Opcode.MESSAGE:
-        found.dropped['damaged'] += 1  # shorter than its own head
+    elif opcode == Opcode.METADATA and (metadata := _parsed(Metadata.read, record, found)):
+        found.metadata[metadata.name] = metadata.metadata
 
 
-def _record(read: Callable[[ReadDataStream], R], content: bytes, found: _Found) -> R | None:
+def _parsed(read: Callable[[ReadDataStream], R], record: bytes, found: _Found) -> R | None:
     try:
-        return read(ReadDataStream(BytesIO(content)))
+        return read(ReadDataStream(BytesIO(record)))
     except (McapError, struct.error, ValueError, OverflowError):
         found.dropped['damaged'] += 1
         return None
 
 
-def _chunk(content: bytes, found: _Found) -> None:
-    chunk = _record(Chunk.read, content, found)
-    if chunk is None:
-        return
-    data = _content(chunk)
-    if data is None:
-        found.dropped['damaged'] += 1
-        data = _beginning(chunk)
-    _walk(data, 0, found, nested=True)
-
-
-def _content(chunk: Chunk) -> bytes | None:
-    """Content of a chunk that is whole, None for another."""
-    try:
-        claimed = zstandard.frame_content_size(chunk.data) if chunk.compression == 'zstd' else 0
-        if max(chunk.uncompressed_size, claimed) > MAX_CHUNK:
-            return None  # would ask for that much memory
-        stream, size = get_chunk_data_stream(chunk, validate_crc=True)
-        return stream.read(size)
-    except (ValueError, RuntimeError, MemoryError, McapError, zstandard.ZstdError):
-        return None
-
-
-def _beginning(chunk: Chunk) -> bytes:
-    """What a chunk that was cut off still gives; nothing where its checksum is merely wrong."""
-    try:
-        if chunk.compression == 'zstd':
-            data = zstandard.ZstdDecompressor().decompressobj().decompress(chunk.data)
-        elif chunk.compression == 'lz4':
-            data = lz4.frame.LZ4FrameDecompressor().decompress(chunk.data, max_length=MAX_CHUNK)
-        else:
-            data = chunk.data
-    except (zstandard.ZstdError, RuntimeError, ValueError, MemoryError):
-        return b''
-    return data if len(data) < chunk.uncompressed_size else b''
-
-
 def _log(found: _Found) -> RawLog:
     topics: list[RawTopic] = []
-    rows: dict[int, int] = {}
+    rows = np.full(2**16, -1, dtype=np.int64)  # of each channel in `topics`
     for number, channel in found.channels.items():
         schema = found.schemas.get(channel.schema_id)
         rows[number] = len(topics)
@@ -191,17 +197,15 @@ def _log(found: _Found) -> RawLog:
                 channel.metadata.get('offered_qos_profiles', ''),
             )
         )
-    table = np.full(2**16, -1, dtype=np.int64)
-    table[list(rows)] = list(rows.values())
-    index = table[np.asarray(found.ids)]
-    log_ns = np.asarray(found.logs, dtype=np.uint64)
-    known = index >= 0
-    cdrs = found.cdrs
+    parts = found.parts
+    topic_of = rows[np.concatenate([np.zeros(0, np.uint16), *(part.channels for part in parts)])]
+    log_ns = np.concatenate([np.zeros(0, np.uint64), *(part.log_ns for part in parts)])
+    messages = joined([part.messages for part in parts])
+    known = topic_of >= 0
     if not known.all():
         found.dropped['unknown_channel'] += int(np.sum(~known))
-        cdrs = [cdr for cdr, keep in zip(cdrs, known.tolist(), strict=True) if keep]
-        index, log_ns = index[known], log_ns[known]
-    log = RawLog(tuple(topics), index, log_ns, cdrs, found.metadata, dict(found.dropped))
+        topic_of, log_ns, messages = topic_of[known], log_ns[known], messages.select(known)
+    log = RawLog(tuple(topics), topic_of, log_ns, messages, found.metadata, dict(found.dropped))
     return in_log_order(log)
 
 
@@ -210,5 +214,4 @@ def in_log_order(log: RawLog) -> RawLog:
     if np.all(log.log_ns[1:] >= log.log_ns[:-1]):
         return log
     order = np.argsort(log.log_ns, kind='stable')
-    cdrs = [log.cdrs[row] for row in order.tolist()]
-    return log._replace(topic_of=log.topic_of[order], log_ns=log.log_ns[order], cdrs=cdrs)
+    return log._replace(topic_of=log.topic_of[order], log_ns=log.log_ns[order], messages=log.messages.select(order))

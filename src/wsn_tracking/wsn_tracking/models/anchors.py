@@ -56,7 +56,13 @@ def make_anchors(ids: ArrayLike, positions: ArrayLike, **radio: Any) -> Anchors:
     scalar or (N,), by default the radio of seed 000 (-45 dBm at 1 m, exponent 3, 1.56 dB).
     """
     ids = np.atleast_1d(np.asarray(ids, dtype=np.int64))
-    xyz = np.asarray(positions, dtype=np.float64).reshape(ids.size, -1)
+    if ids.size == 0:
+        raise TrackingError('the anchors hold no node: at least one is expected')
+    xyz = np.atleast_2d(np.asarray(positions, dtype=np.float64))
+    if xyz.shape not in ((ids.size, 2), (ids.size, 3)):
+        raise TrackingError(
+            f'{ids.size} anchors have positions of shape {xyz.shape}: expected x, y or x, y, z for each of them'
+        )
     if xyz.shape[1] == 2:
         xyz = np.column_stack([xyz, np.zeros(ids.size)])
     defaults = {'p1_dbm': -45.0, 'd0': 1.0, 'n': 3.0, 'sigma_db': 1.56, 'bias': 0.0, 'scale': 1.0}

@@ -12,5 +12,6 @@ def keyed(seed: int, who: int, epoch: int) -> np.random.Generator:
 
     Seed and who are the key, the epoch is the highest word of the counter: streams never overlap.
     """
-    bits = np.random.Philox(key=[seed % WORD, who % WORD], counter=[0, 0, 0, epoch % WORD])
-    return np.random.Generator(bits)
+    key = np.array([seed % WORD, who % WORD], dtype=np.uint64)  # of plain lists, NumPy rounds large words to floats
+    counter = np.array([0, 0, 0, epoch % WORD], dtype=np.uint64)
+    return np.random.Generator(np.random.Philox(key=key, counter=counter))

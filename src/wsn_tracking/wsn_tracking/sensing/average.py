@@ -9,18 +9,20 @@ from wsn_tracking.sensing.values import NAN, Measurement, Range, RangeBearing, R
 
 USABLE_DBM = (-127.0, 20.0)  # what a receiver can say; +127 and -128 are how radios spell `no value`
 USABLE_M = 1e5  # no radio of a sensor network reaches so far
-UNKNOWN_STD = 1e6  # a deviation of so much says nothing
+USABLE_STD = 1e6  # [dB, m] a value with a larger deviation says nothing
 
 
 def usable(packet: Measurement) -> bool:
     """Whether the number can be true at all: a signal strength that radios can say, a positive finite range.
 
-    A deviation may be unknown (NaN), but not zero or negative. What a bearing lacks is NaN, and a value of its own.
+    A deviation may be unknown (NaN), but not zero, negative or infinite. What a bearing lacks is NaN, a value too.
     """
     if isinstance(packet, Rssi):
-        return USABLE_DBM[0] <= packet.rssi_dbm <= USABLE_DBM[1] and not packet.sigma_db <= 0.0
+        in_range = USABLE_DBM[0] <= packet.rssi_dbm <= USABLE_DBM[1]
+        return in_range and (math.isnan(packet.sigma_db) or 0.0 < packet.sigma_db < USABLE_STD)
     if isinstance(packet, Range):
-        return 0.0 < packet.range < USABLE_M and not packet.variance <= 0.0
+        in_range = 0.0 < packet.range < USABLE_M
+        return in_range and (math.isnan(packet.variance) or 0.0 < packet.variance < USABLE_STD**2)
     return True
 
 
@@ -81,6 +83,4 @@ def _mean(values: Sequence[float], weights: Sequence[int]) -> float:
 
 def _std_of_mean(stds: Sequence[float], weights: Sequence[int]) -> float:
     """Standard deviation of a weighted mean of independent values; NaN where that of one of them is not known."""
-    if not all(std < UNKNOWN_STD for std in stds):
-        return NAN
     return math.sqrt(math.fsum((w * s) ** 2 for w, s in zip(weights, stds, strict=True))) / sum(weights)

@@ -122,7 +122,7 @@ class OpenEpochs:
         return ''
 
     def cover(self, listing: Listing, covered: Collection[int], sent: Collection[Key], now: float) -> str:
-        """Add a list of what the nodes `covered` sent; the reason where it is not taken: lists (it is known), overflow."""
+        """Add a list of what the nodes `covered` sent; the reason where it is not kept: lists (not new), overflow."""
         epoch = self.get(listing.request_seq)
         if epoch is not None and epoch.covered.issuperset(covered) and epoch.listed.issuperset(sent):
             return 'lists'

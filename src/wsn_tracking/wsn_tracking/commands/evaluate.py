@@ -1,0 +1,71 @@
+"""`wsn-tracking evaluate`."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+from wsn_tracking import graphs
+from wsn_tracking.commands.base import Commands, add_bag, add_command, add_tracking, progress, settings
+from wsn_tracking.evaluation.run import Run
+from wsn_tracking.evaluation.summary import Summary
+from wsn_tracking.sensing.recording import Recording
+
+
+def add(commands: Commands) -> None:
+    """Describe the command."""
+    command = add_command(
+        commands,
+        'evaluate',
+        _do,
+        'run the trackers on bags without any middleware and score them',
+        'bags/a_loop',
+        'bags/a_loop --json scores.json --plot plots',
+        'bags/a_loop --set trigger.kind=near --set trigger.y_min=-46.9 --set update.kind=iplf',
+        'danis/* --config danis_three',
+    )
+    add_bag(command, several=True)
+    add_tracking(command)
+
+
+def _do(options: argparse.Namespace) -> int:
+    from wsn_tracking.evaluation.report_json import write_json
+    from wsn_tracking.evaluation.table import format_tables, wants_colour
+
+    summaries = [_evaluated(bag, options) for bag in options.bags]
+    print(format_tables(summaries, colour=wants_colour(sys.stdout)))
+    if options.json:
+        write_json(options.json, summaries)
+    return 0 if all(summary.outputs for summary in summaries) else 1
+
+
+def _evaluated(bag: str, options: argparse.Namespace) -> Summary:
+    from wsn_tracking.evaluation.run import summarise
+    from wsn_tracking.offline import offline
+
+    source, recording = graphs.open_bag(bag, options.namespace)
+    run = offline(source, recording, options.config, settings(options), options.target, progress(source.title))
+    summary = summarise(source.title, recording, run, options.skip)
+    if not summary.outputs:
+        print(f'{bag}: no truth/target_<id> of what was tracked, so nothing can be scored', file=sys.stderr)
+    if options.plot:
+        folder = Path(options.plot, source.title) if len(options.bags) > 1 else Path(options.plot)
+        _draw(folder, source, recording, run, summary)
+    return summary
+
+
+def _draw(folder: Path, source: graphs.Source, recording: Recording, run: Run, summary: Summary) -> None:
+    from wsn_tracking.evaluation.plots import plot_all
+
+    area = source.area
+    plot_all(
+        folder,
+        recording.anchors,
+        None if summary.target_id is None else recording.truth.get(summary.target_id),
+        run.estimates,
+        (area[0], area[1], area[2], area[3]) if area else None,
+        title=source.title,
+        start_ns=run.start_ns,
+        skip_s=summary.skip_s,
+    )

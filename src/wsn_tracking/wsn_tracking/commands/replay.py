@@ -1,0 +1,50 @@
+"""`wsn-tracking replay`."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+from typing import Any
+
+from wsn_tracking import graphs
+from wsn_tracking.commands.base import Commands, add_bag, add_command, add_tracking, rate, settings
+
+
+def add(commands: Commands) -> None:
+    """Describe the command."""
+    command = add_command(
+        commands,
+        'replay',
+        _do,
+        'play a bag through the live graph and score it there; equal to `evaluate` to the last bit',
+        'bags/a_loop --rate max',
+        'bags/a_loop --rate 20 --one-process-each',
+    )
+    add_bag(command)
+    add_tracking(command)
+    command.add_argument('--rate', type=rate, default=1.0, help='multiple of real time, or max (default: 1)')
+    command.add_argument('--record', metavar='BAG', help='record what a replay needs into a new bag')
+    command.add_argument('--one-process-each', action='store_true', help='a process for every sensing node')
+
+
+def _do(options: argparse.Namespace) -> int:
+    from wsn_tracking.processes import run_graph
+
+    evaluator: dict[str, Any] = {'skip': options.skip}
+    for name in ('json', 'plot'):
+        if getattr(options, name):
+            evaluator[name] = str(Path(getattr(options, name)).resolve())
+    processes = graphs.replay(
+        options.bag,
+        rate=options.rate,
+        configuration=options.config,
+        settings=settings(options),
+        target_id=options.target,
+        namespace=options.namespace,
+        evaluator=evaluator,
+        record={'output': str(Path(options.record).resolve())} if options.record else None,
+        one_process_each=options.one_process_each,
+        progress=sys.stderr.isatty(),
+    )
+    return run_graph(processes, [p.name for p in processes if p.name in {'evaluator', 'bag_recorder'}])
