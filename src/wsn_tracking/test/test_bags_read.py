@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 from bag_cases import NODES, SECOND, START, anchors, events, mcap_of, measurement, write
+from mcap.opcode import Opcode
 from mcap.reader import make_reader
 from mcap.writer import CompressionType, IndexType, Writer
 
@@ -332,3 +333,22 @@ def test_a_bag_in_which_nothing_was_heard_is_read(tmp_path):
 def test_epoch_ends_are_among_the_messages(tmp_path):
     back = read(write(tmp_path / 'bag', events()))
     assert [m.final for m in back.messages if isinstance(m, EpochEnd)] == [False] * 4 + [True]
+
+
+@pytest.mark.parametrize('lie', [1, -9, 2**40])
+def test_an_index_that_lies_changes_nothing(tmp_path, lie):
+    path = plain_mcap(tmp_path / 'x.mcap', events('range', epochs=50), chunk_size=2000)
+    whole = read(path)
+    data = bytearray(path.read_bytes())
+    at, lies = 8, 0
+    while at < len(data) - 8:
+        opcode, length = data[at], int.from_bytes(data[at + 1 : at + 9], 'little')
+        if opcode == Opcode.MESSAGE_INDEX:
+            offset = at + 9 + 6 + 8  # of the first message of this channel within the chunk
+            told = int.from_bytes(data[offset : offset + 8], 'little') + lie
+            data[offset : offset + 8] = max(told, 0).to_bytes(8, 'little')
+            lies += 1
+        at += 9 + length
+    path.write_bytes(data)
+    assert lies > 20
+    assert read(path).messages == whole.messages

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 from collections.abc import Sequence
 
@@ -17,12 +18,13 @@ def main(arguments: Sequence[str] | None = None) -> None:
     options = _parser().parse_args(arguments)
     try:
         code = options.do(options)
-    except TrackingError as error:
-        print(f'wsn-tracking {options.command}: error: {error}', file=sys.stderr)
-        code = 1
+        sys.stdout.flush()
     except BrokenPipeError:  # the reader of our output has gone, as `| head` does
-        sys.stderr.close()
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # what is still to be written has no reader
         code = 141
+    except (TrackingError, OSError) as error:
+        print(f'wsn-tracking {options.command}: error: {" ".join(str(error).split())}', file=sys.stderr)
+        code = 1
     except KeyboardInterrupt:
         code = 130
     sys.exit(code)

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import difflib
 import os
-import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -175,14 +174,14 @@ class Configuration:
 
 def load_configuration(name: str) -> Configuration:
     """Read and check a configuration; an unknown parameter is refused with the nearest known one."""
-    import yaml  # no node needs it: ROS reads parameter files for them
+    from wsn_tracking.ros_yaml import parse
 
     path = find_configuration(name)
     try:
-        content = _parse(path.read_text('utf-8'))
-    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
-        reason = ' '.join(str(error).split())
-        raise TrackingError(f'{path} is no readable YAML: {reason}') from error
+        text = path.read_text('utf-8')
+    except (OSError, UnicodeDecodeError) as error:
+        raise TrackingError(f'{path} cannot be read as text: {error}') from error
+    content = parse(text, str(path))
     if not isinstance(content, dict):
         raise TrackingError(f'{path} holds no sections: expected `/**:` with `ros__parameters:` below it')
     sections = {}
@@ -201,30 +200,9 @@ def parse_setting(text: str) -> tuple[str, Any]:
     if not separator:
         raise TrackingError(f'setting {text!r}: expected name=value, e.g. trigger.kind=near')
     _check_known(name, f'setting {text!r}')
-    import yaml
+    from wsn_tracking.ros_yaml import parse  # no node needs it: ROS reads parameter files for them
 
-    try:
-        return name, _parse(value)
-    except yaml.YAMLError as error:
-        raise TrackingError(f'setting {text!r}: the value is no YAML') from error
-
-
-class _Loader(yaml.SafeLoader):  # type: ignore[misc]
-    """YAML as ROS 2 reads it: 1e-3 is a number."""
-
-
-_Loader.add_implicit_resolver(
-    'tag:yaml.org,2002:float', re.compile(r'[-+]?(\d+\.?\d*|\.\d+)[eE][-+]?\d+$'), list('-+.0123456789')
-)
-
-
-def _parse(text: str) -> Any:
-    """Parsed YAML; YAMLError for whatever cannot be parsed."""
-    try:
-        return yaml.load(text, _Loader)
-    except (ValueError, TypeError, LookupError, AttributeError, RecursionError) as error:
-        # what SafeLoader's own constructors raise, e.g. for the thirteenth month
-        raise yaml.YAMLError(str(error) or type(error).__name__) from error
+    return name, parse(value, f'setting {text!r}')
 
 
 def _flat(values: Mapping[str, Any], prefix: str = '') -> Iterator[tuple[str, Any]]:

@@ -12,7 +12,9 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from wsn_tracking.bags.epochs import with_epoch_ends
+from wsn_tracking.bags.playback import TOPICS
 from wsn_tracking.bags.read import read
+from wsn_tracking.bags.types import truth_target
 from wsn_tracking.configuration import (
     Configuration,
     EstimatorNodeConfig,
@@ -49,6 +51,7 @@ class Source(NamedTuple):
     ids: tuple[int, ...]
     targets: tuple[int, ...]  # in the order of their first message
     metadata: Mapping[str, str]
+    topics: tuple[str, ...]  # what the feed publishes beside the anchors
 
     @property
     def area(self) -> tuple[float, ...]:
@@ -61,6 +64,11 @@ class Plan(NamedTuple):
 
     sensing: Values | None
     estimators: tuple[Values, ...]
+
+    @property
+    def target_id(self) -> int:
+        """The target that is tracked."""
+        return int(self.estimators[0]['target_id'])
 
     @property
     def outputs(self) -> tuple[str, ...]:
@@ -77,12 +85,14 @@ def open_bag(bag: str, namespace: str | None = None) -> tuple[Source, Recording]
 
 def source_of(title: str, recording: Recording) -> Source:
     """What a graph must know of a recording."""
+    topics = {'request', 'epoch_end', *(TOPICS[kind] for kind in {type(m) for m in recording.messages})}
     return Source(
         title,
         recording.entry_level,
         tuple(recording.anchors.ids.tolist()),
         tuple(dict.fromkeys(m.target_id for m in recording.messages)),
         recording.metadata,
+        (*sorted(topics), *(f'truth/target_{target}' for target in sorted(recording.truth))),
     )
 
 
@@ -95,8 +105,9 @@ def plan_random_q(
     """
     if isinstance(configuration, str):
         configuration = load_configuration(configuration or source.metadata.get('configuration') or DEFAULT)
-    base = {**_from_metadata(source), 'target_id': target_id}
-    given = settings or {}
+    # the first target by name: what a node hears first depends on the order of arrival
+    base = {**_from_metadata(source), 'target_id': source.targets[0] if source.targets else -1}
+    given = {**(settings or {}), **({'target_id': target_id} if target_id >= 0 else {})}
 
     def values(node: str, **fixed: Any) -> dict[str, Any]:
         return {**base, **configuration.of(node), **given, **fixed}
@@ -109,6 +120,10 @@ def plan_random_q(
         chosen = values(f'estimator_{number}', id=number, peers=list(peers))
         chosen['input'] = _input(source.entry_level, build(EstimatorNodeConfig, chosen).checked().input)
         estimators.append(chosen)
+        if source.targets and chosen['target_id'] not in source.targets:
+            raise TrackingError(
+                f'{source.title} has no target {chosen["target_id"]}: expected one of {list(source.targets)}'
+            )
     inputs = {chosen['input'] for chosen in estimators}
     if source.entry_level == 'rssi' and 'range' in inputs:
         sensing = values('sensing_node')
@@ -226,21 +241,13 @@ def random_q_graph(
     if record is not None:
         processes.append(_recorder(source, record))
     window = tuple(f'estimate/fused_{number}' for number in numbers)
-    feeding = {
+    parameters = {
         **feed.parameters,
         'expected_nodes': [process.name for process in processes],
         'window_topics': list(window),
     }
-    gives = ('request', 'epoch_end', 'anchors', *_levels(source), *_truths(source))
-    return _matched([*processes, feed._replace(parameters=feeding, takes=window, gives=gives)])
-
-
-def _levels(source: Source) -> tuple[str, ...]:
-    return (source.entry_level, *(('trigger_report',) if source.entry_level == 'range' else ()))
-
-
-def _truths(source: Source) -> tuple[str, ...]:
-    return tuple(f'truth/target_{target}' for target in source.targets)
+    feed = feed._replace(parameters=parameters, takes=window, gives=('anchors', *source.topics))
+    return _matched([*processes, feed])
 
 
 def _split(source: Source, plan: Plan, one_process_each: bool) -> list[tuple[int, ...]]:
@@ -281,22 +288,21 @@ def _estimator(values: Values, numbers: Sequence[int], timing: Values) -> Proces
 
 
 def _evaluator(source: Source, plan: Plan, reporting: Sequence[str], values: Values) -> Process:
-    target = plan.estimators[0].get('target_id', -1)
     return Process(
         'evaluator_node',
         'evaluator',
         {
             'outputs': list(plan.outputs),
             'title': source.title,
-            'target_id': target if target >= 0 else source.targets[0],
+            'target_id': plan.target_id,
             'expected_reports': list(reporting),
             **values,
         },
         takes=(
             'epoch_end',
             'anchors',
-            *(('trigger_report',) if plan.sensing is not None or source.entry_level == 'range' else ()),
-            *_truths(source),
+            'trigger_report',
+            f'truth/target_{plan.target_id}',
             *(f'estimate/{output}' for output in plan.outputs),
         ),
     )
@@ -310,11 +316,11 @@ def _recorder(source: Source, values: Values) -> Process:
         'bag_recorder',
         {
             'entry_level': source.entry_level,
-            'targets': list(source.targets),
+            'targets': sorted({*source.targets, *(truth_target(topic) for topic in source.topics)} - {None}),
             'metadata': metadata or [''],
             **values,
         },
-        takes=('anchors', 'request', 'epoch_end', *_levels(source), *_truths(source), *extra),
+        takes=('anchors', *source.topics, *extra),
     )
 
 

@@ -24,4 +24,4 @@ def offline(
     if plan.sensing is not None:
         config = build(SensingNodeConfig, plan.sensing)
         sensing = Sensing(config.trigger, config.seed)
-    return run_random_q(recording, sensing, estimators, target_id, progress)
+    return run_random_q(recording, sensing, estimators, plan.target_id, progress)

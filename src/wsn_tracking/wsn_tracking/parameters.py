@@ -38,10 +38,8 @@ class Spec(NamedTuple):
     def expected(self) -> str:
         """What a value must be, in words."""
         kind = {bool: 'true or false', int: 'an integer', float: 'a number', str: 'a text'}
-        if isinstance(self.default, tuple):
-            words = f'a list of {ELEMENTS[_element(self)]}'
-        else:
-            words = kind[type(self.default)]
+        is_list = isinstance(self.default, tuple)
+        words = f'a list of {ELEMENTS[_element(self)]}' if is_list else kind[type(self.default)]
         if self.choices:
             return 'one of ' + ', '.join(self.choices)
         limits = [f'>= {self.low:g}'] * (self.low > -math.inf) + [f'<= {self.high:g}'] * (self.high < math.inf)

@@ -8,8 +8,10 @@ import signal
 import subprocess
 import sys
 import tempfile
+import threading
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -66,17 +68,38 @@ def run_graph(processes: Sequence[Process], last: Sequence[str]) -> int:
 
     A process that ends on its own with an error is named; the graph goes on without it.
     """
-    with tempfile.TemporaryDirectory(prefix='wsn_tracking_') as folder:
-        running = {p.name: _start(p, Path(folder)) for p in processes}
+    running: dict[str, subprocess.Popen[bytes]] = {}
+    with tempfile.TemporaryDirectory(prefix='wsn_tracking_') as folder, _ended_as_by_ctrl_c():
         try:
+            for process in processes:
+                running[process.name] = _start(process, Path(folder))
             return _wait(running, last)
         finally:
             _end(running)
 
 
+@contextmanager
+def _ended_as_by_ctrl_c() -> Iterator[None]:
+    """A program that is told to end must not leave its processes behind."""
+    if threading.current_thread() is not threading.main_thread():  # signals are the main thread's alone
+        yield
+        return
+    told = (signal.SIGTERM, signal.SIGHUP)
+    before = [signal.signal(number, signal.default_int_handler) for number in told]
+    try:
+        yield
+    finally:
+        for number, handler in zip(told, before, strict=True):
+            signal.signal(number, handler)
+
+
 def _start(process: Process, folder: Path) -> subprocess.Popen[bytes]:
-    # a session of its own: the shell's Ctrl-C reaches this program alone, which then ends all in order
-    return subprocess.Popen(command(process, write_parameters(process, folder)), start_new_session=True)
+    words = command(process, write_parameters(process, folder))
+    try:
+        # a session of its own: the shell's Ctrl-C reaches this program alone, which then ends all in order
+        return subprocess.Popen(words, start_new_session=True)
+    except OSError as error:
+        raise TrackingError(f'{words[0]} cannot be started ({error.strerror}): build the workspace anew') from error
 
 
 def _wait(running: dict[str, subprocess.Popen[bytes]], last: Sequence[str]) -> int:

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import math
+from collections import deque
+from collections.abc import Iterator
 from typing import NamedTuple
 
 from wsn_tracking.bags.messages import TruthPose
-from wsn_tracking.sensing.recording import Message, Recording
+from wsn_tracking.sensing.recording import Message, Recording, Truth
 from wsn_tracking.sensing.values import EpochEnd, Range, RangeBearing, Request, Rssi, TriggerReport
 
 TOPICS: dict[type, str] = {
@@ -37,15 +40,16 @@ class Playback(NamedTuple):
 def playback(recording: Recording) -> Playback:
     """All messages in the order of the log, truth ahead of the epochs that it judges.
 
-    Truth is sent up to the first sample at or after an epoch's stamp before that epoch is, so that whoever
-    interpolates holds both neighbours in time.
+    The truth of every target is sent up to its first sample at or after an epoch's stamp before that epoch is, so
+    that whoever interpolates holds both neighbours in time. What lies beyond that of the last epoch judges nothing and
+    is not sent.
     """
-    truth = _truth(recording)
+    truth = {target: deque(_poses(track)) for target, track in sorted(recording.truth.items())}
+    told = dict.fromkeys(truth, -math.inf)  # stamp of the last sample that was sent
     epochs: list[tuple[int, int]] = []
     open_epochs: dict[tuple[int, int], int] = {}
     asked: set[int] = set()
     events: list[Event] = []
-    sent = 0
     for message in recording.messages:
         key = (message.target_id, message.seq if isinstance(message, Request) else message.request_seq)
         asks = isinstance(message, Request)
@@ -55,19 +59,15 @@ def playback(recording: Recording) -> Playback:
         index = open_epochs[key]
         if asks:
             asked.add(index)
-        while sent < len(truth) and (sent == 0 or truth[sent - 1].stamp_ns < message.stamp_ns):
-            events.append(Event(message.stamp_ns, index, f'truth/target_{truth[sent].target_id}', truth[sent]))
-            sent += 1
+        for target, poses in truth.items():
+            while poses and told[target] < message.stamp_ns:
+                told[target] = poses[0].stamp_ns
+                events.append(Event(message.stamp_ns, index, f'truth/target_{target}', poses.popleft()))
         events.append(Event(message.stamp_ns, index, TOPICS[type(message)], message))
     return Playback(tuple(events), tuple(epochs))
 
 
-def _truth(recording: Recording) -> list[TruthPose]:
-    poses = [
-        TruthPose(stamp, truth.target_id, tuple(position), tuple(velocity))
-        for truth in recording.truth.values()
-        for stamp, position, velocity in zip(
-            truth.stamps_ns.tolist(), truth.positions.tolist(), truth.velocities.tolist(), strict=True
-        )
-    ]
-    return sorted(poses, key=lambda pose: pose.stamp_ns)
+def _poses(truth: Truth) -> Iterator[TruthPose]:
+    columns = (truth.stamps_ns.tolist(), truth.positions.tolist(), truth.velocities.tolist())
+    for stamp, position, velocity in zip(*columns, strict=True):
+        yield TruthPose(stamp, truth.target_id, tuple(position), tuple(velocity))

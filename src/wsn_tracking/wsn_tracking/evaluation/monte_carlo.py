@@ -21,7 +21,9 @@ from wsn_tracking.models.radio import rssi_at
 from wsn_tracking.sensing.trigger import Trigger, Verdicts
 from wsn_tracking.simulation.scenarios import Scenario
 from wsn_tracking.simulation.world import noisy_ranges
-from wsn_tracking.trackers.random_q import MeasurementTable, RandomQConfig, random_q_step
+from wsn_tracking.trackers.random_q import random_q_step
+from wsn_tracking.trackers.random_q_config import RandomQConfig
+from wsn_tracking.trackers.readings import MeasurementTable
 
 START_STD = (0.1, 0.1, 0.06, 0.06)  # roots of P0 for x, y, vx, vy [m, m/s]
 MIDDLE = np.full((1, 1, 1), 0.5)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.evaluation import plot_style as style
-from wsn_tracking.evaluation.metrics import nees
+from wsn_tracking.evaluation.ellipses import ellipse, known
 from wsn_tracking.models.anchors import Anchors, Floats
 from wsn_tracking.sensing.recording import Truth
 from wsn_tracking.trackers.estimate import Estimate, Kind
@@ -20,20 +20,9 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.lines import Line2D
 
-CHI2_95 = 5.991464547107979  # chi-square, 2 degrees of freedom, at 0.95: -2 ln 0.05
 ELLIPSES = 14  # along a track: more would hide it
 MOST_IDS = 60  # more numbers than this cover each other
 Area = tuple[float, float, float, float]  # x_min, y_min, x_max, y_max [m]
-
-
-def ellipse(mean: Floats, covariance: Floats, points: int = 73) -> Floats:
-    """Border of the 95 % region, (..., 2) and (..., 2, 2) -> (..., points, 2) [m].
-
-    A circle of radius sqrt(CHI2_95) through the Cholesky factor. Raises LinAlgError where P is not definite.
-    """
-    angle = np.linspace(0.0, 2.0 * np.pi, points)
-    circle = np.sqrt(CHI2_95) * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
-    return np.asarray(mean[..., None, :] + circle @ np.swapaxes(np.linalg.cholesky(covariance), -1, -2))
 
 
 def plot_map(
@@ -113,22 +102,12 @@ def _frame(anchors: Anchors, truth: Truth | None, area: Area | None) -> Area:
     return float(low[0] - margin), float(low[1] - margin), float(high[0] + margin), float(high[1] + margin)
 
 
-def _known(estimates: Sequence[Estimate]) -> tuple[Floats, Floats]:
-    """Positions (M, 2) [m] and covariances (M, 2, 2) [m^2] of those with a finite and definite belief."""
-    means = np.array([e.mean[:2] for e in estimates], dtype=np.float64).reshape(-1, 2)
-    blocks = np.array([np.asarray(e.covariance)[:2, :2] for e in estimates], dtype=np.float64).reshape(
-        -1, 2, 2
-    )
-    definite = np.isfinite(nees(0.0 * means, blocks))
-    return means[definite], blocks[definite]
-
-
 def _rings(estimates: Sequence[Estimate]) -> Floats:
     """Ellipses at equal intervals as one line, (points, 2) [m], with NaN between them.
 
     The first comes half an interval late: the very start is all uncertainty.
     """
-    means, covariances = _known(estimates)
+    means, covariances = known(estimates)
     step = max(1, round(len(means) / ELLIPSES))
     rings = ellipse(means[step // 2 :: step], covariances[step // 2 :: step])
     gaps = np.full((rings.shape[0], 1, 2), np.nan)
@@ -137,6 +116,6 @@ def _rings(estimates: Sequence[Estimate]) -> Floats:
 
 def _trusted(estimates: Mapping[str, Sequence[Estimate]]) -> str | None:
     """The output whose ellipses are worth drawing."""
-    known = [name for name, track in estimates.items() if _known(track)[0].size]
-    fused = [name for name in known if estimates[name][-1].kind == Kind.FUSED]
-    return next(iter([*fused, *known]), None)
+    sure = [name for name, track in estimates.items() if known(track)[0].size]
+    fused = [name for name in sure if estimates[name][-1].kind == Kind.FUSED]
+    return next(iter([*fused, *sure]), None)

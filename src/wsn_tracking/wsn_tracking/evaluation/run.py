@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import NamedTuple
@@ -12,7 +11,7 @@ from wsn_tracking.evaluation.summary import Summary, traffic
 from wsn_tracking.sensing.epochs import NO_LOSS, EpochAssembler
 from wsn_tracking.sensing.recording import Recording
 from wsn_tracking.sensing.stage import SensingStage, TriggerConfig
-from wsn_tracking.sensing.values import Epoch, EpochEnd, Reason, Request, TriggerReport
+from wsn_tracking.sensing.values import Epoch, EpochEnd, Request, TriggerReport
 from wsn_tracking.trackers.estimate import Estimate
 from wsn_tracking.trackers.estimator import EstimatorConfig, make_estimator
 from wsn_tracking.trackers.fusing import compared
@@ -42,9 +41,23 @@ def silent(epochs: Iterator[Epoch], total: int) -> Iterator[Epoch]:
     return epochs
 
 
-def epochs_of(recording: Recording, target_id: int, counters: Counter[str]) -> Iterator[Epoch]:
-    """The epochs of a recording that has EpochEnds, in order; what they leave out is added to `counters`."""
-    assembler = EpochAssembler(recording.anchors.ids.tolist(), target_id=target_id, loss_timeout=math.inf)
+def epochs_of(
+    recording: Recording, target_id: int, counters: Counter[str], anew: Callable[[], None] = lambda: None
+) -> Iterator[Epoch]:
+    """The epochs of a recording that has EpochEnds, in order; what they leave out is added to `counters`.
+
+    `anew` is called where time falls back: a new run begins. Raises TrackingError for an epoch that lacks something.
+    """
+    assembler = EpochAssembler(recording.anchors.ids.tolist(), target_id=target_id, loss_timeout=1.0, lossless=True)
+
+    def closed(now: float) -> Iterator[Epoch]:
+        runs = assembler.runs
+        while epochs := assembler.closed(now):
+            if assembler.runs != runs:
+                runs = assembler.runs
+                anew()
+            yield from epochs
+
     for message in recording.messages:
         if isinstance(message, Request):
             assembler.request(message, 0.0)
@@ -52,8 +65,9 @@ def epochs_of(recording: Recording, target_id: int, counters: Counter[str]) -> I
             assembler.listing(message, 0.0)
         else:
             assembler.measurement(message, 0.0)
-        yield from assembler.closed(0.0)
-    counters.update(assembler.counters)
+        yield from closed(0.0)
+    yield from closed(1.0)
+    counters.update({**assembler.counters, 'no_request': assembler.held})
 
 
 def run_random_q(
@@ -72,7 +86,12 @@ def run_random_q(
     counters: Counter[str] = Counter(recording.dropped)
     total = sum(isinstance(message, EpochEnd) for message in recording.messages)
     count, start_ns = 0, 0
-    for epoch in progress(epochs_of(recording, target_id, counters), total):
+
+    def anew() -> None:
+        for part in (*(p for _, local, fuser in parts for p in (local, fuser)), *others, *([stage] if stage else ())):
+            part.reset()
+
+    for epoch in progress(epochs_of(recording, target_id, counters, anew), total):
         start_ns, count = (start_ns if count else epoch.stamp_ns), count + 1
         ranged = epoch
         if stage is not None:
@@ -91,8 +110,8 @@ def run_random_q(
         for estimate in (*locals_, *fused, *(fuser.step(locals_) for fuser in others)):
             estimates.setdefault(estimate.source, []).append(estimate)
     if stage is None:
-        reports = [message for message in recording.messages if isinstance(message, TriggerReport)]
-    counters['invalid'] += sum(reason == Reason.INVALID for report in reports for reason in report.reasons)
+        targets = {e[0].target_id for e in estimates.values()}
+        reports = [m for m in recording.messages if isinstance(m, TriggerReport) and m.target_id in targets]
     dropped = {reason: n for reason, n in counters.items() if n and reason not in NO_LOSS}
     return Run({name: tuple(e) for name, e in estimates.items()}, tuple(reports), count, start_ns, dropped)
 

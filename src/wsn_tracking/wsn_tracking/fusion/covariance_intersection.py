@@ -106,11 +106,14 @@ def _ici_pair(A: Fused, B: Fused) -> Fused:
 
 
 def _golden(f: Callable[[Floats], Floats], shape: tuple[int, ...], steps: int = 32) -> Floats:
-    """Minimise f over [0, 1] for every element at once, to 0.618^steps."""
+    """Minimise a convex f over [0, 1] for every element at once, to 0.618^steps; a border that is no worse is taken."""
     ratio = (np.sqrt(5.0) - 1.0) / 2.0
     low, high = np.zeros(shape), np.ones(shape)
     for _ in range(steps):
         left, right = high - ratio * (high - low), low + ratio * (high - low)
         go_left = f(left) < f(right)
         low, high = np.where(go_left, low, left), np.where(go_left, right, high)
-    return np.asarray((low + high) / 2.0)
+    best = (low + high) / 2.0
+    for border in (np.zeros(shape), np.ones(shape)):
+        best = np.where(f(border) <= f(best), border, best)
+    return np.asarray(best)

@@ -12,7 +12,7 @@ from typing import Any, Generic, TypeVar
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rcl_interfaces.msg import ParameterDescriptor
-from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
+from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile
@@ -25,6 +25,7 @@ from wsn_tracking.configuration import NodeConfig
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.models.anchors import Anchors
 from wsn_tracking.nodes import convert, qos
+from wsn_tracking.nodes.executor import make_executor
 from wsn_tracking.nodes.health import Health, flow
 from wsn_tracking.nodes.matching import Matching
 
@@ -166,9 +167,7 @@ def run(make: Callable[[], TrackingNode[Any]]) -> None:
     node = None
     try:
         node = make()
-        executor = SingleThreadedExecutor()
-        executor.add_node(node)
-        executor.spin()
+        make_executor(node).spin()
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
     except Finished as finished:

@@ -132,7 +132,12 @@ class FeedNode(TrackingNode[Config]):
 
     def _tell(self) -> None:
         sent = ', '.join(f'{count} {topic}' for topic, count in self._counts().items())
-        self.get_logger().info(f'sent {len(self._playback.epochs)} epochs: {sent}')
+        events = self._playback.events
+        lasted = max(time.monotonic() - (self._begun or 0.0), 1e-9)
+        simulated = (events[-1].stamp_ns - self._first_ns) * 1e-9 if events else 0.0
+        self.get_logger().info(
+            f'sent {len(self._playback.epochs)} epochs in {lasted:.2f} s ({simulated / lasted:.1f} x real time): {sent}'
+        )
 
     def destroy_node(self) -> None:
         """Leave the terminal as it was."""

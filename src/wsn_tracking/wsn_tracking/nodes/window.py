@@ -16,9 +16,15 @@ class Window:
     def __init__(self, topics: Iterable[str], epochs: Sequence[tuple[int, int]], size: int, timeout: float) -> None:
         self._size, self._timeout = size, timeout
         self._last = len(epochs) - 1
-        self._indices: dict[tuple[int, int], list[int]] = {}
+        self._indices: dict[tuple[int, int], list[int]] = {}  # where an epoch is: at several places in a looped bag
         for index, key in enumerate(epochs):
             self._indices.setdefault(key, []).append(index)
+        self._settled = list(range(len(epochs)))
+        following: dict[int, int] = {}
+        for index in reversed(range(len(epochs))):  # an output speaks of one target: other targets' epochs pass it by
+            target_id = epochs[index][0]
+            self._settled[index] = following.get(target_id, len(epochs)) - 1
+            following[target_id] = index
         self._reached = dict.fromkeys(topics, -1)
         self._spoke: dict[str, float] = {}
         self._front = -1
@@ -36,7 +42,7 @@ class Window:
         places = self._indices.get((target_id, request_seq), [])
         at = bisect.bisect_right(places, self._front) - 1
         if at >= 0:
-            self._reached[topic] = max(self._reached[topic], places[at])
+            self._reached[topic] = max(self._reached[topic], self._settled[places[at]])
 
     def admits(self, epoch: int, now: float) -> bool:
         """Whether messages of this epoch may be sent; remembers the furthest that was."""

@@ -56,7 +56,7 @@ class EpochAssembler:
         self._first: int | None = None  # number of the run's first epoch
         self._closed: int | None = None  # number of the epoch that was closed last
         self._newest: Request | None = None
-        self._late: deque[tuple[str, Message]] = deque(maxlen=MAX_LATE)
+        self._late: deque[tuple[str, Measurement | Listing]] = deque(maxlen=MAX_LATE)
         self._ahead: list[Message] = []  # a new run, from its request on, while the old one closes
         self._unreported: Counter[int] = Counter()
 
@@ -188,11 +188,11 @@ class EpochAssembler:
         """What overtook the request of a new run looked late: it counts after all."""
         held, self._late = self._late, deque(maxlen=MAX_LATE)
         for reason, message in held:
-            if message.stamp_ns > request.stamp_ns:
-                self._late.append((reason, message))
-            elif message.stamp_ns == request.stamp_ns:
+            if (message.request_seq, message.stamp_ns) == (request.seq, request.stamp_ns):
                 self.counters[reason] -= 1
                 self._add(message, now)
+            else:
+                self._late.append((reason, message))
 
     def _add(self, message: Message, now: float) -> None:
         if isinstance(message, Request):
@@ -215,13 +215,14 @@ class EpochAssembler:
     # ---- closing
 
     def _missing(self, epoch: OpenEpoch) -> str:
-        return epoch.missing(node for node in self.roster if self._unreported[node] < FORGET_AFTER)
+        speaking = [node for node in self.roster if self._unreported[node] < FORGET_AFTER]
+        return epoch.missing(speaking or self.roster)  # where nobody speaks, only time can tell that all has come
 
     def _count_loss(self, epoch: OpenEpoch, missing: str) -> None:
         if self.lossless:
             raise TrackingError(
-                f'epoch {epoch.seq} lacks {missing} after {self.loss_timeout:g} s: a replay loses nothing, so its feed '
-                'is broken or this machine is too slow for `loss_timeout`'
+                f'epoch {epoch.seq} lacks {missing}: nothing may be missing in a replay, so its feed is broken or too '
+                f'slow for `loss_timeout`, {self.loss_timeout:g} s'
             )
         unlisted = self.roster - epoch.covered
         for node in unlisted:
@@ -234,7 +235,7 @@ class EpochAssembler:
         self._closed = seq
         sent = epoch.sent()
         measurements = one_a_node(sent)
-        invalid = unusable(sent) - unusable(measurements)  # those that remain are refused by whoever reads the epoch
+        invalid = unusable(sent)  # whoever reads the epoch leaves them out
         counts = {
             'used': len(sent) - invalid,
             'invalid': invalid,

@@ -8,7 +8,8 @@ from wsn_tracking.errors import TrackingError
 from wsn_tracking.models.anchors import Anchors
 from wsn_tracking.parameters import group, param
 from wsn_tracking.trackers.fusing import Fuser, FusionConfig
-from wsn_tracking.trackers.random_q import LocalEstimator, RandomQConfig
+from wsn_tracking.trackers.random_q import LocalEstimator
+from wsn_tracking.trackers.random_q_config import RandomQConfig
 
 
 @dataclass(frozen=True)

@@ -2,102 +2,32 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections import Counter, deque
+from itertools import compress
 
 import numpy as np
-from typing_extensions import Self
 
-from wsn_tracking.errors import TrackingError
 from wsn_tracking.filters import srckf
 from wsn_tracking.filters.belief import Belief
+from wsn_tracking.filters.linalg import tria
+from wsn_tracking.filters.robust import gated, student_t, with_offsets
 from wsn_tracking.filters.start import Area, Sight, area_of, likelihood_start
 from wsn_tracking.models.anchors import Anchors, Floats
 from wsn_tracking.models.draws import keyed
-from wsn_tracking.models.measurement import (
-    Function,
-    constant_noise,
-    log_range_function,
-    range_function,
-    rssi_function,
-)
+from wsn_tracking.models.measurement import Function
 from wsn_tracking.models.motion import constant_velocity
 from wsn_tracking.models.noise import scaled_identity, white_acceleration
-from wsn_tracking.models.radio import relative_range_std
-from wsn_tracking.parameters import group, param
-from wsn_tracking.sensing.average import usable
-from wsn_tracking.sensing.values import Epoch, Modality, Range, Rssi
-from wsn_tracking.trackers.estimate import Estimate, Kind
+from wsn_tracking.models.offsets import drift
+from wsn_tracking.sensing.values import Epoch
+from wsn_tracking.trackers.estimate import PLANAR_STATES, Estimate, Kind
+from wsn_tracking.trackers.random_q_config import NoiseConfig, RandomQConfig
+from wsn_tracking.trackers.readings import MeasurementTable, Readings
 
-ESTIMATORS = 2**33  # estimators draw from streams of their own: ESTIMATORS + number; sensing nodes from that of their id
-
-
-@dataclass(frozen=True)
-class NoiseConfig:
-    """Process noise and how it is drawn anew in every epoch."""
-
-    kind: str = param(
-        'identity',
-        'identity: S_Q = q I, valid for T = 1 s only; acceleration: white, its root scaled by 2 q / (q_min + q_max)',
-        choices=('identity', 'acceleration'),
-    )
-    q_min: float = param(6.0, 'lower bound of the drawn q', 'cm and cm/s', 0.0, 1e6)
-    q_max: float = param(8.0, 'upper bound of the drawn q', 'cm and cm/s', 0.0, 1e6)
-    spectral_density: float = param(1.6e-3, 'acceleration: S', 'm^2/s^3', 0.0, 1e6)
-
-
-@dataclass(frozen=True)
-class UpdateConfig:
-    """Measurement update."""
-
-    kind: str = param(
-        'ckf',
-        'ckf: the document; iplf: iterated posterior linearisation; log: iplf on ln(range)',
-        choices=('ckf', 'iplf', 'log'),
-    )
-    passes: int = param(3, 'iplf and log: regressions an update', '', 1, 20)
-    range_std: float = param(0.1, 'ranges that tell neither variance nor come from RSSI', 'm', 1e-6, 1e3)
-    r: str = param(
-        'predicted',
-        'RSSI ranges: noise at the predicted range, or at the measured one (the document)',
-        choices=('predicted', 'measured'),
-    )
-
-
-@dataclass(frozen=True)
-class StartConfig:
-    """First belief."""
-
-    kind: str = param(
-        'likelihood', 'likelihood: from the first epochs; given: mean and std', choices=('likelihood', 'given')
-    )
-    epochs: int = param(4, 'likelihood: epochs with measurements that it takes', '', 1, 100)
-    speed: float = param(0.1, 'standard deviation of the velocity per axis', 'm/s', 1e-3, 100.0)
-    mean: tuple[float, ...] = param((0.0, 0.0, 0.0, 0.0), 'given: x, y, vx, vy', 'm and m/s')
-    std: tuple[float, ...] = param((0.1, 0.1, 0.06, 0.06), 'given: their standard deviations', 'm and m/s', 1e-6)
-
-
-@dataclass(frozen=True)
-class RandomQConfig:
-    """One estimator of system A."""
-
-    seed: int = param(0, 'of the random process noise; the draw is keyed by seed, estimator and epoch', '', 0)
-    area: tuple[float, ...] = param((), 'x_min, y_min, x_max, y_max that positions are kept in; empty: not kept', 'm')
-    target_height: float = param(0.0, 'height at which the target moves', 'm', -1e4, 1e4)
-    noise: NoiseConfig = group(NoiseConfig)
-    update: UpdateConfig = group(UpdateConfig)
-    start: StartConfig = group(StartConfig)
-
-    def checked(self) -> Self:
-        """Itself, or TrackingError where fields contradict each other."""
-        if self.noise.q_max < self.noise.q_min:
-            raise TrackingError(f'`noise.q_max` {self.noise.q_max:g} is below `noise.q_min` {self.noise.q_min:g}')
-        if self.noise.q_max == 0.0:
-            raise TrackingError('`noise.q_max` is 0: without process noise a filter stops listening')
-        if self.area and not (len(self.area) == 4 and self.area[0] < self.area[2] and self.area[1] < self.area[3]):
-            raise TrackingError(f'`area` is {list(self.area)}: expected x_min, y_min, x_max, y_max with min < max')
-        if len(self.start.mean) != 4 or len(self.start.std) != 4:
-            raise TrackingError('`start.mean` and `start.std` take four numbers each: x, y, vx, vy')
-        return self
+ESTIMATORS = (
+    2**33
+)  # estimators draw from streams of their own: ESTIMATORS + number; sensing nodes from that of their id
+PLANAR = len(PLANAR_STATES)
+WHITE = 0.25  # least share of a link's noise that stays white beside its drifting offset
 
 
 def process_root(config: NoiseConfig, q: Floats, dt: float) -> Floats:
@@ -120,65 +50,47 @@ def random_q_step(
     config: RandomQConfig,
 ) -> Belief:
     """Algorithm 1 of seed 000: predict by dt [s] with the drawn q (...), update with z (..., N), keep inside."""
-    predicted = srckf.predict(belief, constant_velocity(dt), process_root(config.noise, q, dt))
+    return update_step(predict_step(belief, dt, q, config), z, h, noise, config)
+
+
+def predict_step(belief: Belief, dt: float, q: Floats, config: RandomQConfig) -> Belief:
+    """Time update by dt [s] with the drawn q (...); offsets, where the belief has them, drift."""
+    F, chol_Q = constant_velocity(dt), process_root(config.noise, q, dt)
+    links = belief.m.shape[-1] - PLANAR
+    if links and dt > 0.0:
+        F, chol_Q = drift(F, chol_Q, dt, np.full(links, config.robust.offset_std), config.robust.offset_time)
+    elif links:
+        return belief
+    return srckf.predict(belief, F, chol_Q)
+
+
+def update_step(predicted: Belief, z: Floats, h: Function, noise: Function, config: RandomQConfig) -> Belief:
+    """Measurement update with z (..., N), NaN where nothing was heard; the position stays in the area."""
+    links = predicted.m.shape[-1] - PLANAR
+    root = white_part(noise, config.robust.offset_std) if links else noise
+    if config.robust.dof:
+        root = student_t(root, z, read_function(h, links), config.robust.dof)
     passes = 1 if config.update.kind == 'ckf' else config.update.passes
-    return keep_inside(srckf.update(predicted, z, h, noise, passes), config.area)
+    return keep_inside(srckf.update(predicted, z, h, root, passes, config.update.kappa, links), config.area)
+
+
+def read_function(h: Function, links: int) -> Function:
+    """What the nodes read at a state: h, and behind the planar states an offset a link."""
+    return (lambda x: h(x[..., :PLANAR]) + x[..., PLANAR:]) if links else h
+
+
+def white_part(noise: Function, offset_std: float) -> Function:
+    """Root of the noise that is left beside an offset of that standard deviation."""
+    return lambda x: np.sqrt(np.maximum(noise(x) ** 2 - offset_std**2, (WHITE * noise(x)) ** 2))
 
 
 def keep_inside(belief: Belief, area: tuple[float, ...]) -> Belief:
     """The belief with its position clipped to the area (x_min, y_min, x_max, y_max), where there is one."""
     if not area:
         return belief
-    low, high = np.array([*area[:2], -np.inf, -np.inf]), np.array([*area[2:], np.inf, np.inf])
-    return belief._replace(m=np.clip(belief.m, low, high))
-
-
-class MeasurementTable:
-    """From an epoch's measurements to z, h and noise over all nodes (seed 000, algorithm 1, steps 4 to 6)."""
-
-    def __init__(self, anchors: Anchors, height: float, update: UpdateConfig) -> None:
-        self.anchors = anchors
-        self._range = range_function(anchors, height)
-        self._log_range = log_range_function(anchors, height)
-        self._rssi = rssi_function(anchors, height)
-        self._update = update
-
-    def read(self, epoch: Epoch) -> tuple[Floats, Function, Function, tuple[int, ...]]:
-        """z (N,) with NaN where nothing usable was heard, h, noise root, and the nodes that were used."""
-        packets = [p for p in epoch.measurements if isinstance(p, (Range, Rssi)) and usable(p)]
-        rows = self.anchors.rows([p.node_id for p in packets]).tolist()
-        kept = [(row, p) for row, p in zip(rows, packets, strict=True) if row >= 0]
-        ids = tuple(p.node_id for _, p in kept)
-        z = np.full(self.anchors.ids.size, np.nan)
-        if kept and isinstance(kept[0][1], Rssi):
-            std = self.anchors.sigma_db.copy()
-            for row, p in kept:
-                if isinstance(p, Rssi):
-                    z[row] = p.rssi_dbm
-                    std[row] = std[row] if np.isnan(p.sigma_db) else p.sigma_db
-            return z, self._rssi, constant_noise(std), ids
-        variance = np.full(z.size, np.nan)
-        for row, p in kept:
-            if isinstance(p, Range):
-                z[row], variance[row] = p.range, p.variance
-        from_rssi = bool(kept) and all(isinstance(p, Range) and p.modality == Modality.RSSI for _, p in kept)
-        return *self.ranges(z, np.sqrt(variance), from_rssi), ids
-
-    def ranges(self, z: Floats, told: Floats, from_rssi: bool) -> tuple[Floats, Function, Function]:
-        """What the filter updates with, h and noise root, for ranges z and told noise roots, both (..., N) [m].
-
-        NaN in z: not heard; in `told`: not known. A range from RSSI has an error that grows with it; any other has
-        the one that came along.
-        """
-        h = self._range
-        default = relative_range_std(self.anchors) * z if from_rssi else self._update.range_std
-        std = np.where(np.isnan(told), default, told)
-        if self._update.kind == 'log':
-            return np.log(z), self._log_range, constant_noise(std / z)
-        if from_rssi and self._update.r == 'predicted':
-            share = std / z
-            return z, h, lambda x: share[..., None, :] * h(x)
-        return z, h, constant_noise(std)
+    m = belief.m.copy()
+    m[..., :2] = np.clip(m[..., :2], area[:2], area[2:])
+    return belief._replace(m=m)
 
 
 class LocalEstimator:
@@ -189,15 +101,18 @@ class LocalEstimator:
         self.number = number
         self.table = MeasurementTable(anchors, config.target_height, config.update)
         self._area: Area = (*config.area,) if config.area else area_of(anchors)  # type: ignore[assignment]
+        self.counters: Counter[str] = Counter()
         self.reset()
 
     def reset(self) -> None:
         """Forget the past: as after a start."""
         start = self.config.start
-        self._sights: list[tuple[int, Sight]] = []
+        self._sights: deque[tuple[int, Sight]] = deque()
         self._starting = start.kind == 'likelihood'
-        self._belief = Belief(np.array(start.mean), np.diag(np.array(start.std)))
+        self._belief = self._extended(Belief(np.array(start.mean), np.diag(np.array(start.std))))
         self._stamp_ns: int | None = None
+        self._heard_ns: int | None = None
+        self._rejects = 0
 
     def draw(self, epoch: int) -> float:
         """q ~ U[q_min, q_max] of this estimator in that epoch."""
@@ -206,38 +121,103 @@ class LocalEstimator:
 
     def step(self, epoch: Epoch) -> Estimate:
         """Predict to the epoch and update with what it holds; an empty epoch predicts."""
-        z, h, noise, used = self.table.read(epoch)
+        readings = self.table.read(epoch)
         q = self.draw(epoch.request_seq)
+        if not self._starting and self._has_been_silent(epoch, readings):
+            self._start_anew('reacquired_after_silence')
         if self._starting:
-            belief, kind = self._find_start(epoch.stamp_ns, Sight(0.0, z, h, noise), bool(used)), Kind.START
+            belief, kind = self._find_start(epoch.stamp_ns, readings), Kind.START
         else:
-            dt = 0.0 if self._stamp_ns is None else max(epoch.stamp_ns - self._stamp_ns, 0) * 1e-9
-            belief = random_q_step(self._belief, dt, np.asarray(q), z, h, noise, self.config)
-            kind = Kind.LOCAL
+            belief, kind, readings = self._track(epoch.stamp_ns, q, readings)
         self._belief, self._stamp_ns = belief, epoch.stamp_ns
+        self._heard_ns = epoch.stamp_ns if readings.ids else self._heard_ns
+        planar = Belief(belief.m[:PLANAR], belief.chol_P[:PLANAR, :PLANAR])
         return Estimate(
             epoch.stamp_ns,
             epoch.target_id,
             epoch.request_seq,
             f'local_{self.number}',
-            belief.m,
-            belief.P,
+            planar.m,
+            planar.P,
             (self.number,),
-            used,
+            readings.ids,
             q,
             kind,
         )
 
-    def _find_start(self, stamp_ns: int, sight: Sight, heard: bool) -> Belief:
-        """The likelihood over the area of all that was heard so far; ends with the epoch that completes it."""
-        start = self.config.start
-        if heard:
-            self._sights.append((stamp_ns, sight))
-        aged = [s._replace(age=(stamp_ns - then) * 1e-9) for then, s in self._sights]
-        belief = likelihood_start(aged, self._area, start.speed)
-        self._starting = len(self._sights) < start.epochs
-        return keep_inside(belief, self.config.area)
-
     def feed_back(self, fused: Estimate) -> None:
-        """Go on from a fused estimate instead of one's own (option `feedback`)."""
-        self._belief = Belief(fused.mean, np.linalg.cholesky(fused.covariance))
+        """Go on from a fused estimate instead of one's own (option `feedback`); offsets keep what is known of them."""
+        m, chol_P = self._belief.m.copy(), self._belief.chol_P.copy()
+        m[:PLANAR] = fused.mean
+        chol_P[:PLANAR, :PLANAR] = np.linalg.cholesky(fused.covariance)
+        if m.size > PLANAR:
+            chol_P[PLANAR:, :] = np.concatenate(
+                [np.zeros((m.size - PLANAR, PLANAR)), tria(chol_P[PLANAR:, :])], axis=-1
+            )
+        self._belief = Belief(m, chol_P)
+
+    def _track(self, stamp_ns: int, q: float, readings: Readings) -> tuple[Belief, Kind, Readings]:
+        """One step of the filter, or a new start where it has rejected what it hears for too long."""
+        dt = 0.0 if self._stamp_ns is None else max(stamp_ns - self._stamp_ns, 0) * 1e-9
+        predicted = predict_step(self._belief, dt, np.asarray(q), self.config)
+        self._remember(stamp_ns, readings)
+        accepted = self._gate(predicted, readings)
+        if self.config.reacquire.rejects and self._rejects >= self.config.reacquire.rejects:
+            self.counters['reacquired_after_rejects'] += 1
+            self._rejects = 0
+            return self._from_sights(stamp_ns), Kind.START, readings
+        z, h, noise, _ = accepted
+        return update_step(predicted, z, h, noise, self.config), Kind.LOCAL, accepted
+
+    def _gate(self, predicted: Belief, readings: Readings) -> Readings:
+        """The readings without those that are too far from their prediction, which are counted."""
+        if not (self.config.robust.gate and readings.ids):
+            return readings
+        links = predicted.m.shape[-1] - PLANAR
+        r = srckf.predicted_readings(predicted, predicted, readings.h, self.config.update.kappa, links)
+        root = white_part(readings.noise, self.config.robust.offset_std) if links else readings.noise
+        z = gated(readings.z, r, root(predicted.m[None, :])[0], self.config.robust.gate)
+        kept = ~np.isnan(z[self.table.anchors.rows(readings.ids)])
+        rejected = len(readings.ids) - int(kept.sum())
+        self.counters['gated'] += rejected
+        self._rejects = self._rejects + 1 if 2 * rejected > len(readings.ids) else 0
+        return readings._replace(z=z, ids=tuple(compress(readings.ids, kept)))
+
+    def _has_been_silent(self, epoch: Epoch, readings: Readings) -> bool:
+        silence = self.config.reacquire.silence
+        if not (silence and readings.ids and self._heard_ns is not None):
+            return False
+        return (epoch.stamp_ns - self._heard_ns) * 1e-9 > silence
+
+    def _start_anew(self, why: str) -> None:
+        self.counters[why] += 1
+        self._sights.clear()
+        self._starting = True
+
+    def _remember(self, stamp_ns: int, readings: Readings) -> None:
+        """Keep what was heard within the window of a new start."""
+        if not self.config.reacquire.rejects:
+            return
+        self._sights.append((stamp_ns, Sight(0.0, readings.z, readings.h, readings.noise)))
+        while (stamp_ns - self._sights[0][0]) * 1e-9 > self.config.reacquire.window:
+            self._sights.popleft()
+
+    def _find_start(self, stamp_ns: int, readings: Readings) -> Belief:
+        """The likelihood over the area of all that was heard so far; ends with the epoch that completes it."""
+        if readings.ids:
+            self._sights.append((stamp_ns, Sight(0.0, readings.z, readings.h, readings.noise)))
+        belief = self._from_sights(stamp_ns)
+        self._starting = len(self._sights) < self.config.start.epochs
+        if not self._starting:
+            self._sights.clear()
+        return belief
+
+    def _from_sights(self, stamp_ns: int) -> Belief:
+        aged = [s._replace(age=(stamp_ns - then) * 1e-9) for then, s in self._sights]
+        belief = likelihood_start(aged, self._area, self.config.start.speed)
+        return keep_inside(self._extended(belief), self.config.area)
+
+    def _extended(self, belief: Belief) -> Belief:
+        """The belief with an offset a link, where they are modelled."""
+        std = self.config.robust.offset_std
+        return with_offsets(belief, np.full(self.table.anchors.ids.size, std)) if std else belief

@@ -1,0 +1,59 @@
+"""Streams of messages that the tests of epoch assembly share."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from wsn_tracking.sensing.epochs import EpochAssembler
+from wsn_tracking.sensing.values import EpochEnd, Request, Rssi, TriggerReport
+
+START = 1_700_000_000_000_000_000
+SECOND = 1_000_000_000
+NODES = (1, 2, 3)
+
+# Every message that is given is counted under one of these, opens an epoch as its request, or is held.
+COUNTED = (
+    'used', 'invalid', 'lists', 'late', 'late_list', 'late_request', 'duplicate', 'duplicate_request', 'other_target',
+    'other_node', 'unknown_node', 'before_start', 'overflow', 'discarded_by_reset',
+)  # fmt: skip
+NOT_MESSAGES = ('epochs', 'lost', 'lost_request', 'unlisted_epoch', 'renumbered')
+
+
+def stamp(k: float) -> int:
+    """Of the instant k seconds after the start [ns]."""
+    return START + round(k * SECOND)
+
+
+def packet(node: int, seq: int, epoch: int, at: float, dbm: float = -50.0, target: int = 1) -> Rssi:
+    return Rssi(stamp(at), node, target, seq, epoch, dbm, 1.5)  # NaN would not equal itself
+
+
+def end(epoch: int, packets: Sequence[Rssi], at: float, final: bool = False, target: int = 1) -> EpochEnd:
+    nodes, seqs = tuple(p.node_id for p in packets), tuple(p.seq for p in packets)
+    return EpochEnd(stamp(at), target, epoch, 'rssi', nodes, seqs, final)
+
+
+def report(epoch: int, packets: Sequence[Rssi], nodes: Sequence[int], at: float, target: int = 1) -> TriggerReport:
+    sent = [p for p in packets if p.node_id in nodes]
+    ids, seqs = tuple(p.node_id for p in sent), tuple(p.seq for p in sent)
+    silent = tuple(node for node in nodes if node not in ids)
+    return TriggerReport(stamp(at), target, epoch, ids, seqs, silent, (3,) * len(silent))
+
+
+def give(assembler: EpochAssembler, message: object, now: float = 0.0) -> None:
+    """Hand a message to the method of its kind."""
+    if isinstance(message, Request):
+        assembler.request(message, now)
+    elif isinstance(message, (EpochEnd, TriggerReport)):
+        assembler.listing(message, now)
+    else:
+        assembler.measurement(message, now)
+
+
+def unaccounted(assembler: EpochAssembler, given: int) -> int:
+    """Messages that were neither used, nor counted, nor are held: always zero."""
+    counters = assembler.counters
+    assert set(counters) <= {*COUNTED, *NOT_MESSAGES}
+    assert min(counters.values(), default=0) >= 0
+    asked = counters['epochs'] - counters['lost_request']
+    return given - sum(counters[name] for name in COUNTED) - asked - assembler.held
