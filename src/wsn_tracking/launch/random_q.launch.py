@@ -20,6 +20,7 @@ def _graph(context):
         configuration=argument['config'],
         record=argument['record'],
         one_process_each=argument['one_process_each'] == 'true',
+        markers=argument['markers'] == 'true',
     )
     return actions(processes, argument['namespace'])
 
@@ -31,6 +32,7 @@ ARGUMENTS = {
     'config': ('', 'parameter file or name of a configuration; empty: that of the scenario'),
     'record': ('', 'folder for a bag of what the world sends; empty: none'),
     'one_process_each': ('false', 'a process for every sensing node'),
+    'markers': ('false', 'publish markers for RViz and Foxglove'),
     'namespace': ('', 'namespace of the whole graph'),
 }
 

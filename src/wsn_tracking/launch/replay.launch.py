@@ -18,6 +18,7 @@ def _graph(context):
         rate=0.0 if argument['rate'] == 'max' else float(argument['rate']),
         configuration=argument['config'],
         one_process_each=argument['one_process_each'] == 'true',
+        markers=argument['markers'] == 'true',
     )
     return actions(processes, argument['namespace'])
 
@@ -27,6 +28,7 @@ ARGUMENTS = {
     'rate': ('1.0', 'multiple of real time, or max'),
     'config': ('', 'parameter file or name of a configuration; empty: what the bag names'),
     'one_process_each': ('false', 'a process for every sensing node'),
+    'markers': ('false', 'publish markers for RViz and Foxglove'),
     'namespace': ('', 'namespace of the whole graph'),
 }
 

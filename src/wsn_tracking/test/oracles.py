@@ -1,4 +1,4 @@
-"""System A once more, in covariance form and by the textbook: slow, dense, and without a line of the package's filters."""
+"""System A once more, in covariance form and by the textbook: slow, dense, and none of the package's filters."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Fusion under unknown correlation: equations 20 to 26 of seed 000, their optimum, and inverse covariance intersection."""
+"""Fusion under unknown correlation: equations 20 to 26 of seed 000, their optimum, and ICI."""
 
 import numpy as np
 import pytest
@@ -208,7 +208,7 @@ def test_lci_is_ci_over_its_own_spread_and_publishes_no_accuracy(seed, J, a):
     for _ in range(6):
         m = rng.standard_normal((J, 4)) * 0.1
         d = m - m.sum(axis=0) / J
-        dense = np.array([a * np.outer(v, v) + (1.0 - a) * p + 1e-10 * np.eye(4) for v, p in zip(d, dense, strict=True)])
+        dense = np.array([a * np.outer(d[j], d[j]) + (1.0 - a) * dense[j] + 1e-10 * np.eye(4) for j in range(J)])
         P = fusion.spread(P, m, a)
         np.testing.assert_allclose(P, dense, rtol=1e-12, atol=1e-18)
     fused = fusion.lci(m, P)

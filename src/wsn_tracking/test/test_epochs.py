@@ -568,6 +568,19 @@ def test_a_target_that_counts_anew_is_no_new_run():
     assert (assembler.runs, assembler.counters['renumbered']) == (0, 2)
 
 
+def test_equal_numbers_of_two_runs_are_told_apart_by_their_stamps():
+    """The target restarts while its epoch of the same number is still open."""
+    assembler = EpochAssembler(NODES, lossless=True)
+    give(assembler, Request(stamp(0), 1, 0))
+    give(assembler, Request(stamp(1), 1, 0))
+    new, old = packet(1, 0, 0, 1.0), packet(1, 0, 0, 0.0)
+    for message in (new, end(0, [new], 1.0), old, end(0, [old], 0.0)):
+        give(assembler, message)
+    assert assembler.closed(0.0) == [Epoch(1, 0, stamp(0), (old,))]
+    assert assembler.closed(0.0) == [Epoch(1, 0, stamp(1), (new,))]
+    assert (assembler.runs, assembler.counters['renumbered']) == (0, 1)
+
+
 def test_a_node_that_was_given_up_is_waited_for_in_a_new_run():
     assembler = EpochAssembler(NODES, loss_timeout=1.0)
     for k in range(5):

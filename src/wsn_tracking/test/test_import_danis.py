@@ -10,9 +10,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from wsn_tracking.bags.danis import calibrated, import_danis
-from wsn_tracking.bags.danis_files import find, read_devices, read_histograms
 from wsn_tracking.bags.epochs import with_epoch_ends
+from wsn_tracking.bags.importing.danis import calibrated
+from wsn_tracking.bags.importing.danis_files import find, read_devices, read_histograms
+from wsn_tracking.bags.importing.run import import_set
 from wsn_tracking.bags.read import read
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.sensing.values import EpochEnd, Request, Rssi
@@ -81,14 +82,14 @@ def upstream(root: Path) -> Path:
 def test_both_layouts_give_equal_bags(tmp_path):
     bags = []
     for layout in (flat, upstream):
-        (bag,) = import_danis(layout(tmp_path / layout.__name__), tmp_path / f'{layout.__name__}_bags')
+        (bag,) = import_set('danis', layout(tmp_path / layout.__name__), tmp_path / f'{layout.__name__}_bags')
         assert bag.name == 'danis_short'
         bags.append(next(bag.glob('*.mcap')).read_bytes())
     assert bags[0] == bags[1]
 
 
 def test_a_packet_is_an_epoch(tmp_path):
-    (bag,) = import_danis(flat(tmp_path / 'src'), tmp_path / 'out')
+    (bag,) = import_set('danis', flat(tmp_path / 'src'), tmp_path / 'out')
     back = read(bag)
     assert with_epoch_ends(back) == back
     requests = [m for m in back.messages if isinstance(m, Request)]
@@ -108,7 +109,7 @@ def test_a_packet_is_an_epoch(tmp_path):
 
 
 def test_the_radio_comes_from_the_histograms_alone(tmp_path):
-    (bag,) = import_danis(flat(tmp_path / 'src'), tmp_path / 'out')
+    (bag,) = import_set('danis', flat(tmp_path / 'src'), tmp_path / 'out')
     anchors = read(bag).anchors
     assert anchors.ids.tolist() == [10, 11, 20]
     np.testing.assert_allclose(anchors.positions, [xyz for xyz, _ in RECEIVERS.values()])
@@ -148,7 +149,7 @@ def test_lines_that_cannot_be_used_are_counted_by_reason(tmp_path):
         line(T0, mac='ffff'),
         line(T0, beacon='ffff'),
     ]
-    (bag,) = import_danis(flat(tmp_path / 'src', ''.join(bad) + track()), tmp_path / 'out')
+    (bag,) = import_set('danis', flat(tmp_path / 'src', ''.join(bad) + track()), tmp_path / 'out')
     metadata = read(bag).metadata
     assert metadata['import_dropped'] == (
         'absurd_number 4, absurd_rssi 1, not_a_number 2, too_few_columns 1, unknown_beacon 1, unknown_receiver 1'
@@ -163,13 +164,15 @@ def test_lines_that_cannot_be_used_are_counted_by_reason(tmp_path):
 
 def test_lines_may_come_in_any_order(tmp_path):
     lines = track().splitlines(keepends=True)
-    (straight,) = import_danis(flat(tmp_path / 'a'), tmp_path / 'a_bags')
-    (mixed,) = import_danis(flat(tmp_path / 'b', ''.join(lines[::-1])), tmp_path / 'b_bags')
+    (straight,) = import_set('danis', flat(tmp_path / 'a'), tmp_path / 'a_bags')
+    (mixed,) = import_set('danis', flat(tmp_path / 'b', ''.join(lines[::-1])), tmp_path / 'b_bags')
     assert next(straight.glob('*.mcap')).read_bytes() == next(mixed.glob('*.mcap')).read_bytes()
 
 
 def test_a_receiver_that_hears_a_packet_twice_keeps_both(tmp_path):
-    (bag,) = import_danis(flat(tmp_path / 'src', track() + line(f'{T0 + 0.004:.6f}', rssi=-80)), tmp_path / 'out')
+    (bag,) = import_set(
+        'danis', flat(tmp_path / 'src', track() + line(f'{T0 + 0.004:.6f}', rssi=-80)), tmp_path / 'out'
+    )
     first = [m for m in read(bag).messages if isinstance(m, Rssi) and m.request_seq == 0 and m.node_id == 10]
     assert [(m.seq, m.rssi_dbm) for m in first] == [(0, -70.0), (1, -80.0)]
 
@@ -177,7 +180,7 @@ def test_a_receiver_that_hears_a_packet_twice_keeps_both(tmp_path):
 @pytest.mark.parametrize(
     ('spoil', 'said'),
     [
-        (shutil.rmtree, 'is no folder'),
+        (shutil.rmtree, 'does not exist'),
         (lambda root: shutil.rmtree(root / 'trk'), r'no \*_all_sensors.mbd \(looked for \*.dev'),
         (lambda root: shutil.rmtree(root / 'hst'), r'no \*.hst with set_1'),
         (lambda root: (root / 'cnf' / 'tetam.dev').write_text('Dongles:{'), 'JSON is expected'),
@@ -185,7 +188,7 @@ def test_a_receiver_that_hears_a_packet_twice_keeps_both(tmp_path):
         (lambda root: (root / 'cnf' / 'tetam.dev').write_text(dev().replace('sensor10', 'kitchen')), "'kitchen'"),
         (lambda root: (root / 'cnf' / 'tetam.dev').write_text('hello'), 'no receivers as expected'),
         (lambda root: (root / 'trk' / 'short_all_sensors.mbd').write_text('1,2\n'), r'\(too_few_columns 1\)'),
-        (lambda root: (root / 'trk' / 'short_all_sensors.mbd').write_text(''), 'it is empty'),
+        (lambda root: (root / 'trk' / 'short_all_sensors.mbd').write_text(''), 'the file is empty'),
         (
             lambda root: (root / 'hst' / 'set_1_tetam_multi_rssi.hst').write_text('Bins:[1]\nFingerprints:{}'),
             r'no histogram of receivers \[10, 11, 20\]',
@@ -200,14 +203,14 @@ def test_what_is_missing_is_told_in_one_line(tmp_path, spoil, said):
     root = flat(tmp_path / 'src')
     spoil(root)
     with pytest.raises(TrackingError, match=said) as error:
-        import_danis(root, tmp_path / 'out')
+        import_set('danis', root, tmp_path / 'out')
     assert '\n' not in str(error.value)
 
 
 def test_existing_bags_are_not_overwritten(tmp_path):
-    import_danis(flat(tmp_path / 'src'), tmp_path / 'out')
+    import_set('danis', flat(tmp_path / 'src'), tmp_path / 'out')
     with pytest.raises(TrackingError, match='exists'):
-        import_danis(tmp_path / 'src', tmp_path / 'out')
+        import_set('danis', tmp_path / 'src', tmp_path / 'out')
 
 
 def real_data() -> Path:
@@ -221,7 +224,7 @@ def real_data() -> Path:
 
 @pytest.fixture(scope='module')
 def real_bags(tmp_path_factory):
-    return import_danis(real_data(), tmp_path_factory.mktemp('danis'))
+    return import_set('danis', real_data(), tmp_path_factory.mktemp('danis'))
 
 
 def test_every_real_track_is_whole(real_bags):

@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from oracles import (
-    H,
     LOOP,
     NOISE,
+    H,
     at_least,
     beliefs,
     covariances,
@@ -162,7 +162,7 @@ def test_every_pass_on_a_linear_measurement_is_the_kalman_update(seed, passes):
 
 
 def test_stone_soups_cubature_filter_agrees():
-    """In the same order of states: the cubature points of another order are others, and so (by 1e-5 m) is the result."""
+    """In the same order of states: another order has other cubature points, and a result that is 1e-5 m away."""
     pytest.importorskip('stonesoup')
     from stonesoup.models.measurement.nonlinear import NonLinearGaussianMeasurement
     from stonesoup.models.transition.linear import LinearGaussianTimeInvariantTransitionModel
@@ -180,7 +180,7 @@ def test_stone_soups_cubature_filter_agrees():
         def ndim_meas(self):
             return len(self.covar())
 
-        def function(self, state, noise=False, **kwargs):  # noqa: FBT002
+        def function(self, state, noise=False, **kwargs):
             columns = H(np.asarray(state.state_vector, dtype=float).T)[..., nodes].T
             return (StateVector if columns.shape[-1] == 1 else StateVectors)(columns)
 
@@ -230,7 +230,7 @@ def test_a_target_on_top_of_a_node_is_no_number_that_breaks_the_filter():
 @given(seeds, st.floats(-1e3, 1e3), st.floats(-1e3, 1e3))
 def test_a_filter_does_not_care_where_the_origin_is(seed, x, y):
     belief, z = drawn(seed)
-    moved = LOOP.anchors._replace(positions=LOOP.anchors.positions + [x, y, 0.0])
+    moved = LOOP.anchors._replace(positions=LOOP.anchors.positions + np.array([x, y, 0.0]))
     h = range_function(moved)
     shift = np.array([x, y, 0.0, 0.0])
     there = update(Belief(belief.m + shift, belief.chol_P), z, h, relative_noise(moved, h), 3)
@@ -247,6 +247,8 @@ def test_prediction_is_the_linear_time_update(seed):
     A, root_Q = rng.standard_normal((4, 4)), rng.standard_normal((3, 4, 4))
     after = predict(Belief(m, np.linalg.cholesky(P)), A, root_Q)
     np.testing.assert_allclose(after.m, m @ A.T, rtol=1e-10, atol=1e-12)
+    fanned = predict(Belief(m[0, 0], np.linalg.cholesky(P[0, 0])), A, root_Q)
+    assert (fanned.m.shape, fanned.chol_P.shape) == ((3, 4), (3, 4, 4))
     np.testing.assert_allclose(after.P, A @ P @ A.T + root_Q @ transpose(root_Q), rtol=1e-9, atol=1e-10)
 
 
@@ -264,8 +266,11 @@ def test_tria_is_the_lower_root_of_the_square(drawn):
     L = tria(A)
     square = A @ transpose(A)
     unit = np.sqrt(np.diagonal(square, axis1=-2, axis2=-1))
-    np.testing.assert_allclose(L @ transpose(L) / (unit[..., :, None] * unit[..., None, :]),
-                               square / (unit[..., :, None] * unit[..., None, :]), atol=1e-12)
+    np.testing.assert_allclose(
+        L @ transpose(L) / (unit[..., :, None] * unit[..., None, :]),
+        square / (unit[..., :, None] * unit[..., None, :]),
+        atol=1e-12,
+    )
     np.testing.assert_array_equal(L, np.tril(L))
     assert np.all(np.diagonal(L, axis1=-2, axis2=-1) >= 0.0)
     Q = np.linalg.qr(np.random.default_rng(seed + 1).standard_normal((n + extra, n + extra)))[0]

@@ -20,7 +20,7 @@ NAN = math.nan
 signals = arrays(
     np.float64,
     st.tuples(st.integers(1, 12), st.integers(1, 4)),
-    elements=st.one_of(st.just(NAN), st.integers(-560, -540).map(lambda tenths: tenths / 10.0), st.floats(-57.0, -53.0)),
+    elements=st.one_of(st.just(NAN), st.integers(-560, -540).map(lambda v: v / 10.0), st.floats(-57.0, -53.0)),
 )
 thresholds = st.builds(
     trigger.EventThresholds,

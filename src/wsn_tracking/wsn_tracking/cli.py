@@ -7,10 +7,10 @@ import os
 import sys
 from collections.abc import Sequence
 
-from wsn_tracking.commands import evaluate, import_data, info, replay, simulate
+from wsn_tracking.commands import calibrate, evaluate, import_data, info, plot, replay, simulate, watch
 from wsn_tracking.errors import TrackingError
 
-COMMANDS = (replay, evaluate, info, simulate, import_data)
+COMMANDS = (replay, evaluate, plot, watch, info, simulate, import_data, calibrate)
 
 
 def main(arguments: Sequence[str] | None = None) -> None:

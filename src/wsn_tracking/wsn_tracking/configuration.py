@@ -50,6 +50,7 @@ class SensingNodeConfig(AssemblyConfig):
 
     ids: tuple[int, ...] = param((), 'the sensing nodes that live in this process; empty: all anchors', 'id', 0, 65535)
     seed: int = param(0, 'of the random trigger; the draw is keyed by seed, node and epoch', '', 0)
+    channel: str = param('', 'file of `calibrate` that ranges are inverted with; empty: the anchors tell')
     trigger: TriggerConfig = group(TriggerConfig)
 
 
@@ -125,6 +126,17 @@ class EvaluatorConfig:
     fusion: FusionConfig = group(FusionConfig)
 
 
+@dataclass(frozen=True)
+class MarkerConfig:
+    """marker_node."""
+
+    outputs: tuple[str, ...] = param(('',), 'estimates that are drawn; empty: all that are published')
+    track_length: int = param(200, 'epochs of a track that are drawn', '', 2, 100000)
+    redraw_rate: float = param(5.0, 'at most so many arrays of markers a second', 'Hz', 0.01, 100.0)
+    marker_size: float = param(0.0, 'diameter of a node; 0: from the extent of all of them', 'm', 0.0, 1000.0)
+    target_height: float = param(0.0, 'height at which estimates are drawn', 'm', -1e4, 1e4)
+
+
 EXECUTABLES: Mapping[str, type[Any]] = {
     'sensing_node': SensingNodeConfig,
     'estimator_node': EstimatorNodeConfig,
@@ -132,6 +144,7 @@ EXECUTABLES: Mapping[str, type[Any]] = {
     'bag_player_node': PlayerConfig,
     'bag_recorder_node': RecorderConfig,
     'evaluator_node': EvaluatorConfig,
+    'marker_node': MarkerConfig,
 }
 
 

@@ -169,6 +169,7 @@ def replay(
     evaluator: Values | None = None,
     record: Values | None = None,
     one_process_each: bool = False,
+    markers: bool = False,
     progress: bool = False,
 ) -> tuple[Process, ...]:
     """A bag through the live graph of system A; rate 0 is as fast as it goes."""
@@ -187,6 +188,7 @@ def replay(
         evaluator=evaluator or {},
         record=record,
         one_process_each=one_process_each,
+        markers=markers,
     )
 
 
@@ -201,6 +203,7 @@ def simulation(
     evaluator: Values | None = None,
     record: str = '',
     one_process_each: bool = False,
+    markers: bool = False,
 ) -> tuple[Process, ...]:
     """A simulated world and the live graph of system A; the world sends as slowly as the graph needs."""
     simulated = scenario(name)
@@ -215,6 +218,7 @@ def simulation(
         evaluator=evaluator or {},
         record={'output': str(Path(record).resolve())} if record else None,
         one_process_each=one_process_each,
+        markers=markers,
     )
 
 
@@ -227,8 +231,9 @@ def random_q_graph(
     evaluator: Values | None = None,
     record: Values | None = None,
     one_process_each: bool = False,
+    markers: bool = False,
 ) -> tuple[Process, ...]:
-    """Feed, sensing nodes (in one process, or one each), estimators, evaluator, and a recorder where asked for.
+    """Feed, sensing nodes (in one process, or one each), estimators, evaluator; a recorder and markers where asked for.
 
     Both feeds wait for the graph, so no timeout of a live network applies; in replay, what is missing is an error.
     """
@@ -247,7 +252,9 @@ def random_q_graph(
         'window_topics': list(window),
     }
     feed = feed._replace(parameters=parameters, takes=window, gives=('anchors', *source.topics))
-    return _matched([*processes, feed])
+    # who only looks on is neither waited for nor told whom to expect
+    onlookers = [Process('marker_node', 'markers', plan.estimators[0])] if markers else []
+    return _matched([*processes, *onlookers, feed])
 
 
 def _split(source: Source, plan: Plan, one_process_each: bool) -> list[tuple[int, ...]]:

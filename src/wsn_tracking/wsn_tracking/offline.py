@@ -23,5 +23,5 @@ def offline(
     sensing = None
     if plan.sensing is not None:
         config = build(SensingNodeConfig, plan.sensing)
-        sensing = Sensing(config.trigger, config.seed)
+        sensing = Sensing(config.trigger, config.seed, config.channel)
     return run_random_q(recording, sensing, estimators, plan.target_id, progress)

@@ -5,9 +5,11 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import Any
 
 from wsn_tracking.configuration import Values, configuration_names, parse_setting
+from wsn_tracking.sensing.channel import check_channel
 
 Commands = Any  # what argparse's add_subparsers returns; it has no public name
 
@@ -38,21 +40,29 @@ def add_bag(command: argparse.ArgumentParser, *, several: bool = False) -> None:
     command.add_argument('--namespace', help='namespace in the bag, where it holds several')
 
 
-def add_tracking(command: argparse.ArgumentParser) -> None:
-    """Options of the commands that track."""
+def add_tracking(command: argparse.ArgumentParser, *, scores: bool = True) -> None:
+    """Options of the commands that track, and of those among them that score."""
     named = ', '.join(configuration_names())
     command.add_argument('--trackers', choices=['random_q', 'all'], default='random_q', help='systems that track')
     command.add_argument('--config', default='', help=f'parameter file or name ({named}); default: what the bag names')
+    command.add_argument('--channel', metavar='FILE', default='', help='radios of the nodes, as `calibrate` found them')
     command.add_argument('--set', action='append', default=[], metavar='NAME=VALUE', help='set one parameter')
     command.add_argument('--target', type=int, default=-1, help='target id (default: the first in the bag)')
     command.add_argument('--skip', type=seconds, default=5.0, help='seconds that are not scored (default: 5)')
+    if not scores:
+        return
     command.add_argument('--json', metavar='FILE', help='write the scores for machines')
     command.add_argument('--plot', metavar='DIR', help='draw map, errors and NEES as PNG')
 
 
 def settings(options: argparse.Namespace) -> Values:
-    """What --set says."""
-    return dict(parse_setting(text) for text in options.set)
+    """What --set and --channel say."""
+    given = dict(parse_setting(text) for text in options.set)
+    if options.channel:
+        path = str(Path(options.channel).resolve())
+        check_channel(path)
+        given['channel'] = path
+    return given
 
 
 def seconds(text: str) -> float:

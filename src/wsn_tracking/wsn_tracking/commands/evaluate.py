@@ -8,9 +8,8 @@ from pathlib import Path
 
 from wsn_tracking import graphs
 from wsn_tracking.commands.base import Commands, add_bag, add_command, add_tracking, progress, settings
-from wsn_tracking.evaluation.run import Run
+from wsn_tracking.commands.plot import draw
 from wsn_tracking.evaluation.summary import Summary
-from wsn_tracking.sensing.recording import Recording
 
 
 def add(commands: Commands) -> None:
@@ -51,21 +50,5 @@ def _evaluated(bag: str, options: argparse.Namespace) -> Summary:
         print(f'{bag}: no truth/target_<id> of what was tracked, so nothing can be scored', file=sys.stderr)
     if options.plot:
         folder = Path(options.plot, source.title) if len(options.bags) > 1 else Path(options.plot)
-        _draw(folder, source, recording, run, summary)
+        draw(folder, source, recording, run, options.skip)
     return summary
-
-
-def _draw(folder: Path, source: graphs.Source, recording: Recording, run: Run, summary: Summary) -> None:
-    from wsn_tracking.evaluation.plots import plot_all
-
-    area = source.area
-    plot_all(
-        folder,
-        recording.anchors,
-        None if summary.target_id is None else recording.truth.get(summary.target_id),
-        run.estimates,
-        (area[0], area[1], area[2], area[3]) if area else None,
-        title=source.title,
-        start_ns=run.start_ns,
-        skip_s=summary.skip_s,
-    )

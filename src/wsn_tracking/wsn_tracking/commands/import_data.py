@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 
+from wsn_tracking.bags.importing import KINDS
 from wsn_tracking.commands.base import Commands, add_command
 
 
@@ -15,15 +16,32 @@ def add(commands: Commands) -> None:
         _do,
         'turn a public recording into bags',
         'danis Position-Annotated-BLE-RSSI-Dataset -o danis',
+        'lias Planar_Dataset/Dynamic/UWB_dynamic_exp_mid.csv --rate 10 -o lias_mid',
+        'plaza gtsam/examples/Data/Plaza2_.mat --channel plaza.yaml -o plaza2',
     )
-    command.add_argument('kind', choices=['danis'], help='which recording (docs/datasets.md)')
-    command.add_argument('source', help='folder of the recording')
-    command.add_argument('-o', '--output', required=True, metavar='BAGS', help='folder for the bags')
+    command.add_argument('kind', choices=KINDS, help='which recording (docs/datasets.md)')
+    command.add_argument('source', metavar='SRC', help='folder of the recording; lias and plaza also take the file')
+    command.add_argument('--rate', type=hertz, metavar='HZ', help='lias: epochs per second (default: 10)')
+    command.add_argument('--channel', metavar='FILE', help='calibration whose radios replace those of the recording')
+    command.add_argument(
+        '-o', '--output', required=True, metavar='BAG', help='bag to write; danis: folder for a bag a track'
+    )
+
+
+def hertz(text: str) -> float:
+    """A rate."""
+    try:
+        value = float(text)
+    except ValueError:
+        value = -1.0
+    if not 0.01 <= value <= 1000.0:
+        raise argparse.ArgumentTypeError(f'{text!r} is no rate: expected 0.01 to 1000 Hz')
+    return value
 
 
 def _do(options: argparse.Namespace) -> int:
-    from wsn_tracking.bags.danis import import_danis
+    from wsn_tracking.bags.importing.run import import_set
 
-    for path in import_danis(options.source, options.output):
+    for path in import_set(options.kind, options.source, options.output, options.rate, options.channel):
         print(path)
     return 0

@@ -26,6 +26,7 @@ def add(commands: Commands) -> None:
     command.add_argument('--rate', type=rate, default=1.0, help='multiple of real time, or max (default: 1)')
     command.add_argument('--record', metavar='BAG', help='record what a replay needs into a new bag')
     command.add_argument('--one-process-each', action='store_true', help='a process for every sensing node')
+    command.add_argument('--markers', action='store_true', help='publish markers for RViz and Foxglove')
 
 
 def _do(options: argparse.Namespace) -> int:
@@ -45,6 +46,7 @@ def _do(options: argparse.Namespace) -> int:
         evaluator=evaluator,
         record={'output': str(Path(options.record).resolve())} if options.record else None,
         one_process_each=options.one_process_each,
+        markers=options.markers,
         progress=sys.stderr.isatty(),
     )
     return run_graph(processes, [p.name for p in processes if p.name in {'evaluator', 'bag_recorder'}])

@@ -1,33 +1,5 @@
 """Results on disk: whole or not at all."""
 
-from __future__ import annotations
+from wsn_tracking.files import write_whole
 
-import os
-from pathlib import Path
-
-from wsn_tracking.errors import TrackingError
-
-
-def write_whole(path: str | Path, content: bytes) -> None:
-    """Write a file through a neighbour that is renamed, so that nobody ever reads half of it.
-
-    Missing folders are made. What is not a regular file (a pipe, /dev/stdout) is written directly.
-    Raises TrackingError where the file cannot be written; what was there before then stays.
-    """
-    wanted = Path(path)
-    try:
-        if wanted.exists() and not wanted.is_file() and not wanted.is_dir():
-            wanted.write_bytes(content)
-            return
-        target = Path(os.path.realpath(wanted))  # a link stays a link
-        target.parent.mkdir(parents=True, exist_ok=True)
-        part = target.with_name(f'.{target.name}.{os.getpid()}.part')
-        try:
-            part.write_bytes(content)
-            part.replace(target)
-        finally:
-            part.unlink(missing_ok=True)
-    except OSError as error:
-        raise TrackingError(
-            f'{wanted} cannot be written ({error.strerror or error}): name a file in a folder that you own'
-        ) from error
+__all__ = ['write_whole']

@@ -14,11 +14,12 @@ from numpy.typing import ArrayLike
 from wsn_tracking.evaluation.metrics import nees, position_errors
 from wsn_tracking.filters.belief import Belief
 from wsn_tracking.filters.linalg import matvec
-from wsn_tracking.models.anchors import Floats
+from wsn_tracking.models.anchors import Floats, Mask
 from wsn_tracking.models.motion import constant_velocity
 from wsn_tracking.models.noise import white_acceleration
 from wsn_tracking.models.radio import rssi_at
-from wsn_tracking.sensing.trigger import Trigger, Verdicts
+from wsn_tracking.sensing.trigger import SENT, Trigger, Verdicts
+from wsn_tracking.sensing.values import Reason
 from wsn_tracking.simulation.scenarios import Scenario
 from wsn_tracking.simulation.world import noisy_ranges
 from wsn_tracking.trackers.random_q import random_q_step
@@ -53,7 +54,12 @@ def sense(scenario: Scenario, states: Floats, trigger: Trigger, generator: np.ra
     yhat = np.full(y[..., 0, :].shape, np.nan)
     for k in range(z.shape[-2]):
         yhat, verdicts[..., k, :] = trigger(yhat, y[..., k, :], uniform[..., k, :])
-    return Sensed(states, np.where(verdicts == 0, z, np.nan), verdicts)
+    return Sensed(states, np.where(verdicts == SENT, z, np.nan), verdicts)
+
+
+def in_radius(sensed: Sensed) -> Mask:
+    """Where eq. 1 let a signal through, sent or not, (runs, K, N)."""
+    return np.isin(sensed.verdicts, (SENT, Reason.UNCHANGED, Reason.NOISY))
 
 
 def repeated(scenario: Scenario, runs: int) -> Floats:
@@ -92,9 +98,7 @@ def start_near(states: Floats, generator: np.random.Generator, std: ArrayLike = 
     return Belief(m, np.broadcast_to(np.diag(root), (*m.shape, root.size)))
 
 
-def track(
-    scenario: Scenario, sensed: Sensed, start: Belief, config: RandomQConfig, uniform: Floats = MIDDLE
-) -> Tracks:
+def track(scenario: Scenario, sensed: Sensed, start: Belief, config: RandomQConfig, uniform: Floats = MIDDLE) -> Tracks:
     """Filter every run with every estimator of it.
 
     start (runs, 4) is the belief before the update of the first epoch; uniform (runs, estimators, K), or what

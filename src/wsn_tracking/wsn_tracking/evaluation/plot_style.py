@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from matplotlib.patches import Patch
 
 Place = Literal['outside right upper', 'outside lower center']
+Layout = Literal['constrained']
 DPI = 150
 INK, MUTED, FAINT = '#222222', '#6b6b6b', '#e4e4e4'
 # Okabe and Ito's colours, told apart by colour-blind readers too. Black is the truth's, yellow too pale.
@@ -42,7 +43,7 @@ def pens(names: Iterable[str]) -> dict[str, Pen]:
     }
 
 
-def new_figure(width: float, height: float) -> Figure:
+def new_figure(width: float, height: float, dpi: int = DPI, layout: Layout | None = 'constrained') -> Figure:
     """An empty figure [inches]; TrackingError where matplotlib is not installed."""
     try:
         from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -51,7 +52,7 @@ def new_figure(width: float, height: float) -> Figure:
         raise TrackingError(
             f'plots need matplotlib, which cannot be imported ({error}): install matplotlib'
         ) from error
-    figure = Figure(figsize=(width, height), dpi=DPI, layout='constrained', facecolor='white')
+    figure = Figure(figsize=(width, height), dpi=dpi, layout=layout, facecolor='white')
     FigureCanvasAgg(figure)
     return figure
 

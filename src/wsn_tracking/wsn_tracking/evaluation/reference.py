@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from wsn_tracking.filters.belief import Belief
 from wsn_tracking.filters.linalg import matvec
@@ -46,12 +47,12 @@ def posterior_means(
     return means
 
 
-def _systematic(w: Floats, generator: np.random.Generator) -> np.ndarray[tuple[int, ...], np.dtype[np.int64]]:
+def _systematic(w: Floats, generator: np.random.Generator) -> NDArray[np.int64]:
     """Indices (runs, particles) of systematic resampling with weights w (runs, particles)."""
     runs, particles = w.shape
-    combs = (np.arange(particles) + generator.random((runs, 1))) / particles
+    teeth = (np.arange(particles) + generator.random((runs, 1))) / particles
     sums = np.cumsum(w, axis=-1)
     sums[:, -1] = 1.0
-    # one sorted axis for all runs: run r lives between r and r + 1
-    flat = np.searchsorted((sums + np.arange(runs)[:, None]).ravel(), (combs + np.arange(runs)[:, None]).ravel())
-    return np.minimum(flat.reshape(runs, particles) - np.arange(runs)[:, None] * particles, particles - 1)
+    run = np.arange(runs)[:, None]  # one ascending axis for all: run r lies between r and r + 1
+    chosen = np.searchsorted((sums + run).ravel(), (teeth + run).ravel()).reshape(runs, particles)
+    return np.asarray(np.clip(chosen - run * particles, 0, particles - 1))

@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 from wsn_tracking.evaluation.score import SKIP_S, score
 from wsn_tracking.evaluation.summary import Summary, traffic
+from wsn_tracking.sensing.channel import calibrated
 from wsn_tracking.sensing.epochs import NO_LOSS, EpochAssembler
 from wsn_tracking.sensing.recording import Recording
 from wsn_tracking.sensing.stage import SensingStage, TriggerConfig
@@ -24,6 +25,7 @@ class Sensing(NamedTuple):
 
     trigger: TriggerConfig
     seed: int
+    channel: str = ''  # file of `calibrate`; empty: the anchors tell
 
 
 class Run(NamedTuple):
@@ -49,9 +51,10 @@ def epochs_of(
     `anew` is called where time falls back: a new run begins. Raises TrackingError for an epoch that lacks something.
     """
     assembler = EpochAssembler(recording.anchors.ids.tolist(), target_id=target_id, loss_timeout=1.0, lossless=True)
+    runs = 0
 
     def closed(now: float) -> Iterator[Epoch]:
-        runs = assembler.runs
+        nonlocal runs
         while epochs := assembler.closed(now):
             if assembler.runs != runs:
                 runs = assembler.runs
@@ -78,7 +81,10 @@ def run_random_q(
     progress: Progress = silent,
 ) -> Run:
     """Every estimator's local and fused estimates, beside them what mean and LCI make of the locals."""
-    stage = None if sensing is None else SensingStage(sensing.trigger, recording.anchors, seed=sensing.seed)
+    stage = None
+    if sensing is not None:
+        radios, _ = calibrated(sensing.channel, recording.anchors)
+        stage = SensingStage(sensing.trigger, radios, seed=sensing.seed)
     parts = [(config, *make_estimator(config, recording.anchors)) for config in estimators]
     others = compared(estimators[0].fusion) if len(estimators) > 1 else ()
     estimates: dict[str, list[Estimate]] = {}

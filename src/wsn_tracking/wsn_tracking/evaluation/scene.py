@@ -69,8 +69,8 @@ class Scene:
         held = self._truths.setdefault(target_id, deque(maxlen=TRUTHS_PER_EPOCH * self.length))
         if held and stamp_ns < held[-1][0] - NEW_RUN_NS:
             held.clear()
-        if len(held) > 1 and stamp_ns - held[-2][0] < self.window_ns / (TRUTHS_PER_EPOCH * self.length):
-            held.pop()
+        if len(held) > 1 and held[-1][0] - held[-2][0] < self.window_ns / (TRUTHS_PER_EPOCH * self.length):
+            held.pop()  # it was the newest, and is too close to the one before to stay
         held.append((stamp_ns, np.asarray(position[:2], dtype=np.float64)))
         self.version += 1
 
@@ -95,7 +95,7 @@ class Scene:
     @property
     def tracks(self) -> tuple[Track, ...]:
         """Every output's track, by name and target."""
-        return tuple(Track(*key, tuple(held)) for key, held in sorted(self._estimates.items()))
+        return tuple(Track(name, target, tuple(held)) for (name, target), held in sorted(self._estimates.items()))
 
     @property
     def trails(self) -> tuple[Trail, ...]:
@@ -124,7 +124,7 @@ class Scene:
     @property
     def window_ns(self) -> float:
         """How long the `length` epochs of a full track last, extrapolated from the longest there is."""
-        held = max(self._estimates.values(), key=len, default=())
+        held: deque[Estimate] = max(self._estimates.values(), key=len, default=deque())
         if len(held) < 2:
             return 0.0
         return max(held[-1].stamp_ns - held[0].stamp_ns, 0) * self.length / (len(held) - 1)

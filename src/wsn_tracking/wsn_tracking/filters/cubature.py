@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -18,35 +19,53 @@ def points(belief: Belief, kappa: float = 0.0) -> Floats:
     kappa > 0 is the unscented rule: points further out, and the mean as one more, with weight kappa / (n + kappa).
     """
     m, S = belief
-    spread = np.sqrt(m.shape[-1] + kappa) * transpose(S)
-    sides = [m[..., None, :] + spread, m[..., None, :] - spread]
-    return np.concatenate([*sides, m[..., None, :]] if kappa > 0.0 else sides, axis=-2)
+    return m[..., None, :] + _rule(m.shape[-1], kappa).directions @ transpose(S)
 
 
 class Regression(NamedTuple):
     """h(x) ~ z_hat + O u + E w with u = chol_P^-1 (x - m) and w ~ N(0, I): statistical linear regression.
 
     The deviations of paired points split exactly: their odd part is what is linear in u, their even part
-    the linearisation error, so that P_zz = O O' + E E' and P_xz = chol_P O'.
+    the linearisation error, so that P_zz = O O' + E E' and P_xz = chol_P O'. Columns of O that are left out at the end
+    are zero.
     """
 
     z_hat: Floats  # (..., N)
     O: Floats  # (..., N, n): the odd part
-    E: Floats  # (..., N, n), with kappa (..., N, n + 1): the even part
+    E: Floats  # (..., N, n): the even part
 
 
 def regress(h: Function, belief: Belief, kappa: float = 0.0) -> Regression:
-    """Regress h about a belief over its cubature (or unscented) points (seed 000, eq. 12 to 16)."""
+    """Regress h about a belief over its cubature (or unscented) points (seed 000, eq. 12 to 16).
+
+    Where h looks only at the first d of n states, regress over these with kappa + n - d: the points that differ
+    elsewhere all read the same, which is the centre of the smaller rule, and every moment stays as it was.
+    """
     n = belief.m.shape[-1]
-    Z = h(points(belief, kappa))
-    plus, minus = Z[..., :n, :], Z[..., n : 2 * n, :]
-    scale = 0.5 / np.sqrt(n + kappa)
-    if kappa > 0.0:
-        centre = Z[..., 2 * n, :]
-        z_hat = (Z[..., : 2 * n, :].sum(axis=-2) * 0.5 + kappa * centre) / (n + kappa)
-        last = (centre - z_hat)[..., None] * np.sqrt(kappa / (n + kappa))
-    else:
-        z_hat = Z.mean(axis=-2)
-    O = transpose(plus - minus) * scale
-    E = transpose(plus + minus - 2.0 * z_hat[..., None, :]) * scale
-    return Regression(z_hat, O, np.concatenate([E, last], axis=-1) if kappa > 0.0 else E)
+    rows = _rule(n, kappa).combinations @ h(points(belief, kappa))
+    return Regression(rows[..., 2 * n, :], transpose(rows[..., :n, :]), transpose(rows[..., n : 2 * n, :]))
+
+
+class _Rule(NamedTuple):
+    """The rule as two matrices."""
+
+    directions: Floats  # (K, n): points less the mean, against the root
+    combinations: Floats  # (2n + 1, K): O', E' and z_hat of the readings at the points
+
+
+@lru_cache
+def _rule(n: int, kappa: float) -> _Rule:
+    """The centre's even part is spread over those of the pairs, so that E has n columns with any kappa.
+
+    With t_k = y+_k + y-_k - 2 y_0 and s their sum, P_zz has the even part (T T' - s s' / (n + kappa)) / (4 (n + kappa)),
+    of which T (I - g 1 1') is a root, with (1 - n g)^2 = kappa / (n + kappa).
+    """
+    eye, one, scale = np.eye(n), np.ones((1, n)), 0.5 / np.sqrt(n + kappa)
+    centre = np.sqrt(kappa / (n + kappa))  # 1 - n g
+    even = eye - (1.0 - centre) / n
+    pairs = np.block([[scale * eye, -scale * eye], [scale * even, scale * even], [0.5 / (n + kappa) * one] * 2])
+    middle = np.concatenate([np.zeros(n), np.full(n, -2.0 * scale * centre), [kappa / (n + kappa)]])
+    directions = np.sqrt(n + kappa) * np.concatenate([eye, -eye])
+    if kappa == 0.0:
+        return _Rule(directions, pairs)
+    return _Rule(np.concatenate([directions, np.zeros((1, n))]), np.column_stack([pairs, middle]))

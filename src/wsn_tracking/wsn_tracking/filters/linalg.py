@@ -9,7 +9,7 @@ from wsn_tracking.models.anchors import Floats
 
 def transpose(A: Floats) -> Floats:
     """Swap the last two axes."""
-    return np.swapaxes(A, -1, -2)
+    return A.swapaxes(-1, -2)
 
 
 def tria(A: Floats) -> Floats:
@@ -29,4 +29,4 @@ def solve(L: Floats, b: Floats) -> Floats:
 
 def matvec(A: Floats, b: Floats) -> Floats:
     """A b for matrices A (..., m, n) and vectors b (..., n)."""
-    return (A @ b[..., None])[..., 0]
+    return A @ b if b.ndim == 1 else (A @ b[..., None])[..., 0]

@@ -11,6 +11,7 @@ from wsn_tracking.filters.belief import Belief
 from wsn_tracking.models.anchors import Anchors, Floats
 from wsn_tracking.models.measurement import Function
 
+TINY = 1e-300  # least likelihood: an epoch may contradict another, it rules nothing out
 Area = tuple[float, float, float, float]
 
 
@@ -39,26 +40,18 @@ def likelihood_start(sights: Sequence[Sight], area: Area, speed_std: float, cell
     """Belief over [x, y, vx, vy] from a flat prior over the area (x_min, y_min, x_max, y_max) [m].
 
     The position is the mean and covariance of the grid posterior, widened by the cell; the velocity is
-    N(0, speed_std^2) per axis [m/s]. A target that moves at that speed has blurred what it told `age`
-    seconds ago: a range by at most its way since, which is added to the noise through the slope of h
-    between neighbouring cells' readings (h(x + s) - h(x) along both axes).
+    N(0, speed_std^2) per axis [m/s]. Where the target was `age` seconds ago is N(0, (speed_std age)^2) off, for all
+    nodes of that epoch alike: the epoch's likelihood is blurred as a whole, not the noise of its measurements.
     """
     x_min, y_min, x_max, y_max = area
     cell = np.sqrt((x_max - x_min) * (y_max - y_min) / cells)
     x = np.arange(x_min + cell / 2.0, x_max, cell)
     y = np.arange(y_min + cell / 2.0, y_max, cell)
     grid = np.stack(np.meshgrid(x, y, indexing='ij'), axis=-1).reshape(-1, 2)
-    log_p = np.zeros(len(grid))
+    log_p = np.zeros((x.size, y.size))
     for sight in sights:
-        z_hat = sight.h(grid)
-        variance = sight.noise(grid) ** 2
-        way = speed_std * sight.age
-        if way > 0.0:
-            for step in ((way, 0.0), (0.0, way)):
-                variance = variance + (sight.h(grid + step) - z_hat) ** 2
-        terms = (sight.z - z_hat) ** 2 / variance + np.log(variance)
-        log_p -= 0.5 * np.where(np.isnan(sight.z), 0.0, terms).sum(axis=-1)
-    p = np.exp(log_p - log_p.max())
+        log_p += _blurred(_log_likelihood(sight, grid).reshape(log_p.shape), x, y, speed_std * sight.age)
+    p = np.exp(log_p - log_p.max()).ravel()
     p /= p.sum()
     mean = p @ grid
     d = grid - mean
@@ -67,3 +60,24 @@ def likelihood_start(sights: Sequence[Sight], area: Area, speed_std: float, cell
     chol_P[:2, :2] = np.linalg.cholesky(P)
     chol_P[2:, 2:] = speed_std * np.eye(2)
     return Belief(np.concatenate([mean, np.zeros(2)]), chol_P)
+
+
+def _log_likelihood(sight: Sight, grid: Floats) -> Floats:
+    """Log likelihood of an epoch at positions (C, 2), but for a constant, (C,)."""
+    std = sight.noise(grid)
+    terms = 0.5 * ((sight.z - sight.h(grid)) / std) ** 2 + np.log(std)
+    return -np.asarray(np.where(np.isnan(sight.z), 0.0, terms).sum(axis=-1))
+
+
+def _blurred(log_p: Floats, x: Floats, y: Floats, way: float) -> Floats:
+    """Mean of a likelihood (X, Y) over where the target may have been before a Gaussian way of `way` [m] per axis."""
+    if way <= 0.0:
+        return log_p
+    p = np.exp(log_p - log_p.max())
+    return np.log(np.maximum(_kernel(x, way) @ p @ _kernel(y, way).T, TINY))
+
+
+def _kernel(x: Floats, way: float) -> Floats:
+    """Gaussian weights of all places x (X,) seen from each, (X, X), rows summing to one."""
+    w = np.exp(-0.5 * ((x[:, None] - x) / way) ** 2)
+    return np.asarray(w / w.sum(axis=-1, keepdims=True))

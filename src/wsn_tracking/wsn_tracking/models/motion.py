@@ -14,7 +14,7 @@ def constant_velocity(dt: ArrayLike) -> Floats:
     dt (...) [s]. The document interleaves positions and velocities; here positions come first.
     """
     dt = np.asarray(dt, dtype=np.float64)
-    F = np.zeros((*dt.shape, 4, 4))
-    F[..., range(4), range(4)] = 1.0
+    F = np.empty((*dt.shape, 4, 4))
+    F[...] = np.eye(4)
     F[..., 0, 2] = F[..., 1, 3] = dt
     return F

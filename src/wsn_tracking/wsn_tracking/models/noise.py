@@ -8,6 +8,10 @@ from numpy.typing import ArrayLike
 from wsn_tracking.models.anchors import Floats
 
 CM = 0.01  # [m]
+CM_EYE = CM * np.eye(4)
+# Root of white acceleration over sqrt(S T), [[T / sqrt(3), 0], [sqrt(3) / 2, 1 / 2]] per axis: T times GROWING, and STEADY
+GROWING = np.diag([1.0, 1.0, 0.0, 0.0]) / np.sqrt(3.0)
+STEADY = np.diag([0.5 * np.sqrt(3.0)] * 2, -2) + np.diag([0.0, 0.0, 0.5, 0.5])
 
 
 def scaled_identity(q: ArrayLike) -> Floats:
@@ -16,7 +20,7 @@ def scaled_identity(q: ArrayLike) -> Floats:
     q (...) counts cm for positions and cm/s for velocities and means one step of T = 1 s: the document
     gives no other, and the model has no rule to scale it with.
     """
-    return np.asarray(q, dtype=np.float64)[..., None, None] * (CM * np.eye(4))
+    return np.asarray(q, dtype=np.float64)[..., None, None] * CM_EYE
 
 
 def white_acceleration(spectral_density: ArrayLike, dt: ArrayLike) -> Floats:
@@ -24,10 +28,5 @@ def white_acceleration(spectral_density: ArrayLike, dt: ArrayLike) -> Floats:
 
     Q = S [[T^3/3, T^2/2], [T^2/2, T]] per axis; spectral_density S (...) [m^2/s^3], dt T (...) [s], T >= 0.
     """
-    S, T = np.broadcast_arrays(np.asarray(spectral_density, dtype=np.float64), np.asarray(dt, dtype=np.float64))
-    root = np.sqrt(S * T)
-    L = np.zeros((*S.shape, 4, 4))
-    L[..., 0, 0] = L[..., 1, 1] = root * T / np.sqrt(3.0)
-    L[..., 2, 0] = L[..., 3, 1] = root * np.sqrt(3.0) / 2.0
-    L[..., 2, 2] = L[..., 3, 3] = root / 2.0
-    return L
+    S, T = np.asarray(spectral_density, dtype=np.float64), np.asarray(dt, dtype=np.float64)
+    return np.sqrt(S * T)[..., None, None] * (T[..., None, None] * GROWING + STEADY)

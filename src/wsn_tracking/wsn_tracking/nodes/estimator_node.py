@@ -16,6 +16,7 @@ from wsn_tracking.nodes import convert, qos
 from wsn_tracking.nodes.assembly import TICK, Assembly
 from wsn_tracking.nodes.base import TrackingNode, run
 from wsn_tracking.nodes.health import Health, peers, worst
+from wsn_tracking.sensing.channel import check_channel
 from wsn_tracking.sensing.values import Epoch, EpochEnd
 from wsn_tracking.trackers.estimate import Estimate
 from wsn_tracking.trackers.estimator import make_estimator
@@ -30,6 +31,7 @@ class EstimatorNode(TrackingNode[EstimatorNodeConfig]):
     def __init__(self) -> None:
         super().__init__('estimator_node', EstimatorNodeConfig)
         self.config.checked()
+        check_channel(self.config.channel)
         config = self.config
         self._own = config.id
         self._gate = FusionGate(config.id, config.all_peers, config.fusion_timeout)

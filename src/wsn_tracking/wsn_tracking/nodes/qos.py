@@ -8,3 +8,5 @@ ESTIMATES = QoSProfile(depth=200, reliability=ReliabilityPolicy.RELIABLE)
 LATCHED = QoSProfile(depth=1000, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 LATCHED_LAST = QoSProfile(depth=1, reliability=ReliabilityPolicy.RELIABLE, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 CLOCK = QoSProfile(depth=1, reliability=ReliabilityPolicy.BEST_EFFORT)
+# Who only looks on takes and gives without acknowledgements: whatever it misses, nobody waits for it.
+DISPLAY = QoSProfile(depth=100, reliability=ReliabilityPolicy.BEST_EFFORT)

@@ -12,6 +12,7 @@ from wsn_tracking.models.anchors import Anchors
 from wsn_tracking.nodes import convert, qos
 from wsn_tracking.nodes.assembly import Assembly
 from wsn_tracking.nodes.base import TrackingNode, run
+from wsn_tracking.sensing.channel import calibrated, check_channel
 from wsn_tracking.sensing.stage import SensingStage
 from wsn_tracking.sensing.values import Epoch, EpochEnd, Reason
 
@@ -22,6 +23,7 @@ class SensingNode(TrackingNode[SensingNodeConfig]):
     def __init__(self) -> None:
         super().__init__('sensing_node', SensingNodeConfig)
         self.config.trigger.strategy()
+        check_channel(self.config.channel)
         self._stage: SensingStage | None = None
         self._final_seq: int | None = None
         self._counts = {'sent': 0, 'offered': 0, 'dropped.invalid': 0}
@@ -36,7 +38,8 @@ class SensingNode(TrackingNode[SensingNodeConfig]):
     def on_anchors(self, anchors: Anchors) -> None:
         """Make the stage of the first table."""
         if self._stage is None:
-            self._stage = SensingStage(self.config.trigger, anchors, self.config.ids, self.config.seed)
+            radios, _ = calibrated(self.config.channel, anchors)
+            self._stage = SensingStage(self.config.trigger, radios, self.config.ids, self.config.seed)
             self._assembly.start(anchors, self._stage.anchors.ids.tolist())
 
     def is_prepared(self) -> bool:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.models.anchors import Anchors
 from wsn_tracking.parameters import group, param
+from wsn_tracking.sensing.channel import calibrated
 from wsn_tracking.trackers.fusing import Fuser, FusionConfig
 from wsn_tracking.trackers.random_q import LocalEstimator
 from wsn_tracking.trackers.random_q_config import RandomQConfig
@@ -23,6 +24,9 @@ class EstimatorConfig(RandomQConfig):
         'auto',
         'topic that measurements come from; auto: range where somebody publishes it, else rssi',
         choices=('auto', 'range', 'rssi'),
+    )
+    channel: str = param(
+        '', 'file of `calibrate` with the radios of the nodes, and their map where `input` is rssi; empty: the anchors tell'
     )
     fusion: FusionConfig = group(FusionConfig)
 
@@ -42,6 +46,7 @@ class EstimatorConfig(RandomQConfig):
 
 def make_estimator(config: EstimatorConfig, anchors: Anchors) -> tuple[LocalEstimator, Fuser]:
     """The filter (over the nodes that it hears) and the fusion rule of one estimator."""
+    anchors, radio_map = calibrated(config.channel, anchors)
     heard = anchors.select(config.nodes) if config.nodes else anchors
-    local = LocalEstimator(config.checked(), heard, config.id)
+    local = LocalEstimator(config.checked(), heard, config.id, radio_map)
     return local, Fuser(config.fusion, f'fused_{config.id}', config.area)

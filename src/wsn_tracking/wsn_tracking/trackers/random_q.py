@@ -13,19 +13,18 @@ from wsn_tracking.filters.linalg import tria
 from wsn_tracking.filters.robust import gated, student_t, with_offsets
 from wsn_tracking.filters.start import Area, Sight, area_of, likelihood_start
 from wsn_tracking.models.anchors import Anchors, Floats
-from wsn_tracking.models.draws import keyed
-from wsn_tracking.models.measurement import Function
+from wsn_tracking.models.draws import Stream
+from wsn_tracking.models.measurement import POSITION, Function
 from wsn_tracking.models.motion import constant_velocity
 from wsn_tracking.models.noise import scaled_identity, white_acceleration
 from wsn_tracking.models.offsets import drift
+from wsn_tracking.models.radio_map import RadioMap
 from wsn_tracking.sensing.values import Epoch
 from wsn_tracking.trackers.estimate import PLANAR_STATES, Estimate, Kind
 from wsn_tracking.trackers.random_q_config import NoiseConfig, RandomQConfig
 from wsn_tracking.trackers.readings import MeasurementTable, Readings
 
-ESTIMATORS = (
-    2**33
-)  # estimators draw from streams of their own: ESTIMATORS + number; sensing nodes from that of their id
+ESTIMATORS = 2**33  # an estimator's stream of draws is this plus its number; a sensing node's is its id
 PLANAR = len(PLANAR_STATES)
 WHITE = 0.25  # least share of a link's noise that stays white beside its drifting offset
 
@@ -71,7 +70,8 @@ def update_step(predicted: Belief, z: Floats, h: Function, noise: Function, conf
     if config.robust.dof:
         root = student_t(root, z, read_function(h, links), config.robust.dof)
     passes = 1 if config.update.kind == 'ckf' else config.update.passes
-    return keep_inside(srckf.update(predicted, z, h, root, passes, config.update.kappa, links), config.area)
+    updated = srckf.update(predicted, z, h, root, passes, config.update.kappa, links, POSITION)
+    return keep_inside(updated, config.area)
 
 
 def read_function(h: Function, links: int) -> Function:
@@ -89,17 +89,20 @@ def keep_inside(belief: Belief, area: tuple[float, ...]) -> Belief:
     if not area:
         return belief
     m = belief.m.copy()
-    m[..., :2] = np.clip(m[..., :2], area[:2], area[2:])
+    m[..., :2] = np.minimum(np.maximum(m[..., :2], area[:2]), area[2:])
     return belief._replace(m=m)
 
 
 class LocalEstimator:
     """Estimator `number` of system A: one `step` an epoch, whatever was heard."""
 
-    def __init__(self, config: RandomQConfig, anchors: Anchors, number: int) -> None:
+    def __init__(
+        self, config: RandomQConfig, anchors: Anchors, number: int, radio_map: RadioMap | None = None
+    ) -> None:
         self.config = config.checked()
         self.number = number
-        self.table = MeasurementTable(anchors, config.target_height, config.update)
+        self._draws = Stream(config.seed, ESTIMATORS + number)
+        self.table = MeasurementTable(anchors, config.target_height, config.update, radio_map)
         self._area: Area = (*config.area,) if config.area else area_of(anchors)  # type: ignore[assignment]
         self.counters: Counter[str] = Counter()
         self.reset()
@@ -117,7 +120,7 @@ class LocalEstimator:
     def draw(self, epoch: int) -> float:
         """q ~ U[q_min, q_max] of this estimator in that epoch."""
         noise = self.config.noise
-        return float(keyed(self.config.seed, ESTIMATORS + self.number, epoch).uniform(noise.q_min, noise.q_max))
+        return self._draws.at(epoch).uniform(noise.q_min, noise.q_max)
 
     def step(self, epoch: Epoch) -> Estimate:
         """Predict to the epoch and update with what it holds; an empty epoch predicts."""
@@ -174,7 +177,7 @@ class LocalEstimator:
         if not (self.config.robust.gate and readings.ids):
             return readings
         links = predicted.m.shape[-1] - PLANAR
-        r = srckf.predicted_readings(predicted, predicted, readings.h, self.config.update.kappa, links)
+        r = srckf.predicted_readings(predicted, predicted, readings.h, self.config.update.kappa, links, POSITION)
         root = white_part(readings.noise, self.config.robust.offset_std) if links else readings.noise
         z = gated(readings.z, r, root(predicted.m[None, :])[0], self.config.robust.gate)
         kept = ~np.isnan(z[self.table.anchors.rows(readings.ids)])

@@ -11,10 +11,13 @@ from wsn_tracking.models.measurement import (
     Function,
     constant_noise,
     log_range_function,
+    mapped_noise,
+    mapped_rssi_function,
     range_function,
     rssi_function,
 )
 from wsn_tracking.models.radio import relative_range_std
+from wsn_tracking.models.radio_map import RadioMap, aligned
 from wsn_tracking.sensing.average import usable
 from wsn_tracking.sensing.values import Epoch, Modality, Range, Rssi
 from wsn_tracking.trackers.random_q_config import UpdateConfig
@@ -32,11 +35,16 @@ class Readings(NamedTuple):
 class MeasurementTable:
     """From an epoch's measurements to z, h and noise over all nodes (seed 000, algorithm 1, steps 4 to 6)."""
 
-    def __init__(self, anchors: Anchors, height: float, update: UpdateConfig) -> None:
+    def __init__(
+        self, anchors: Anchors, height: float, update: UpdateConfig, radio_map: RadioMap | None = None
+    ) -> None:
         self.anchors = anchors
         self._range = range_function(anchors, height)
         self._log_range = log_range_function(anchors, height)
+        self._map = None if radio_map is None else aligned(radio_map, anchors)
         self._rssi = rssi_function(anchors, height)
+        if self._map is not None:
+            self._rssi = mapped_rssi_function(anchors, self._map, height)
         self._update = update
 
     def read(self, epoch: Epoch) -> Readings:
@@ -47,12 +55,13 @@ class MeasurementTable:
         ids = tuple(p.node_id for _, p in kept)
         z = np.full(self.anchors.ids.size, np.nan)
         if kept and isinstance(kept[0][1], Rssi):
-            std = self.anchors.sigma_db.copy()
+            std = (self.anchors.sigma_db if self._map is None else self._map.packet_db).copy()
             for row, p in kept:
                 if isinstance(p, Rssi):
                     z[row] = p.rssi_dbm
                     std[row] = std[row] if np.isnan(p.sigma_db) else p.sigma_db
-            return Readings(z, self._rssi, constant_noise(std), ids)
+            noise = constant_noise(std) if self._map is None else mapped_noise(self._map, std)
+            return Readings(z, self._rssi, noise, ids)
         variance = np.full(z.size, np.nan)
         for row, p in kept:
             if isinstance(p, Range):

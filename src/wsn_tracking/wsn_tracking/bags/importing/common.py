@@ -13,6 +13,7 @@ from collections import Counter, defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from decimal import Decimal, InvalidOperation
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -21,9 +22,10 @@ from wsn_tracking.bags.epochs import with_epoch_ends
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.models.anchors import Anchors, Floats
 from wsn_tracking.sensing.recording import Message, Recording, Truth
-from wsn_tracking.sensing.values import Epoch, Request, Rssi
+from wsn_tracking.sensing.values import Epoch, Range, Request, Rssi
 
 Dropped = Counter[str]  # lines or values left out, by reason
+Measured = TypeVar('Measured', Rssi, Range)
 
 SHORTEST_S = 0.005  # a shorter period is no period of a radio: none is told
 LAST_S = 2**31  # stamps end here [s]
@@ -54,21 +56,21 @@ def lines_of(path: Path) -> list[str]:
     return [line.strip() for line in text.splitlines() if line.strip()]
 
 
-def numbers(cells: Sequence[str]) -> list[float]:
-    """Every cell as a finite number below MAX_M in size; ValueError with the reason where one is none."""
+def numbers(cells: Sequence[str], limit: float = MAX_M) -> list[float]:
+    """Every cell as a finite number of at most `limit` in size; ValueError with the reason where one is none."""
     try:
         values = [float(cell) for cell in cells]
     except ValueError:
         raise ValueError('not_a_number') from None
-    if not all(abs(value) <= MAX_M for value in values):
+    if not all(abs(value) <= limit for value in values):
         raise ValueError('absurd_number')
     return values
 
 
-def nanoseconds(seconds: str | float) -> int:
-    """A stamp in seconds as integer nanoseconds (text keeps its digits); ValueError with the reason."""
+def nanoseconds(text: str | float, exponent: int = 0) -> int:
+    """A stamp in units of 10^exponent s as integer nanoseconds (text keeps its digits); ValueError with the reason."""
     try:
-        exact = Decimal(seconds)
+        exact = Decimal(text).scaleb(exponent)
     except InvalidOperation:
         raise ValueError('not_a_number') from None
     if not exact.is_finite() or not 0 <= exact < LAST_S:
@@ -92,6 +94,17 @@ def track(target_id: int, rows: Iterable[tuple[int, Sequence[float]]], shortest_
     stamps: NDArray[np.int64] = np.array([stamp for stamp, _ in kept], dtype=np.int64)
     positions: Floats = np.array([position for _, position in kept], dtype=np.float64).reshape(-1, 3)
     return Truth(target_id, stamps, positions, np.full(positions.shape, math.nan))
+
+
+def grouped(packets: Iterable[Measured], within_s: float) -> list[Epoch]:
+    """Measurements of one target, ascending in time, as epochs: those within `within_s` of an epoch's first."""
+    groups: list[list[Measured]] = []
+    for packet in packets:
+        if groups and packet.stamp_ns - groups[-1][0].stamp_ns <= within_s * 1e9:
+            groups[-1].append(packet)
+        else:
+            groups.append([packet])
+    return [Epoch(group[0].target_id, 0, group[0].stamp_ns, tuple(group)) for group in groups]
 
 
 def box(positions: ArrayLike, margin: float = 0.0) -> str:
@@ -129,7 +142,7 @@ def recording(
             sent[m.target_id, m.node_id] += 1
             messages.append(m._replace(stamp_ns=asked.stamp_ns, request_seq=asked.seq, seq=seq))
     measured = [message for message in messages if not isinstance(message, Request)]
-    reasons = ', '.join(f'{reason} {count}' for reason, count in sorted(dropped.items()))
+    reasons = ', '.join(f'{reason} {count}' for reason, count in sorted(dropped.items()) if count)
     if not measured:
         raise TrackingError(f'{metadata["source"]}: no measurement can be used ({reasons or "the file is empty"})')
     level = 'rssi' if isinstance(measured[0], Rssi) else 'range'

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator
+from itertools import pairwise
 from pathlib import Path
 from typing import NamedTuple
 
@@ -19,6 +20,7 @@ from wsn_tracking.errors import TrackingError
 from wsn_tracking.models.anchors import Anchors, make_anchors
 from wsn_tracking.sensing.calibration import fit_path_loss
 from wsn_tracking.sensing.recording import Recording
+from wsn_tracking.sensing.survey import Readings, Survey, survey_of
 from wsn_tracking.sensing.values import Epoch, Rssi
 
 SOURCE = 'github marckolak/ble-rss-fingerprints-calib2021 @0a69aaa7'
@@ -44,10 +46,8 @@ def load(src: Path) -> Recording:
     positions = read_anchors(find(src, 'anchors.csv'))
     anchors = calibrated(positions, list(_windows(find(src, 'calibration_df.csv'), positions, Counter())))
     windows = list(_windows(find(src, 'test_robot_df.csv'), positions, dropped))
-    corners = [numbers(corner) for corner in _table(find(src, 'layout.csv'), ['x', 'y'], Counter())]
-    if len(corners) < 3:
-        raise TrackingError(f'{src}: layout.csv holds {len(corners)} corners, a flat has at least 3')
-    walls = [(*a, *b) for a, b in zip(corners, corners[1:], strict=False)]
+    corners = read_layout(find(src, 'layout.csv'))
+    walls = [(*a, *b) for a, b in pairwise(corners)]
     metadata = {
         'area': box(corners),
         'target_height': f'{HEIGHT:g}',
@@ -61,6 +61,27 @@ def load(src: Path) -> Recording:
     ]
     truth = track(TARGET, [(w.stamp_ns, (w.x, w.y, HEIGHT)) for w in windows])
     return recording(epochs, anchors, [truth], metadata, dropped)
+
+
+def read_layout(path: Path) -> list[list[float]]:
+    """The corners of the walls, x, y [m]."""
+    try:
+        corners = [numbers(corner) for corner in _table(path, ['x', 'y'], Counter())]
+    except ValueError as reason:
+        raise TrackingError(f'{path}: corners x, y are expected, one has {reason}') from None
+    if len(corners) < 3:
+        raise TrackingError(f'{path} holds {len(corners)} corners, a flat has at least 3')
+    return corners
+
+
+def survey(src: Path) -> tuple[Anchors, Survey]:
+    """The anchors, and what the robot heard on its survey of the flat."""
+    positions = read_anchors(find(src, 'anchors.csv'))
+    windows = list(_windows(find(src, 'calibration_df.csv'), positions, Counter()))
+    heard = [(w.x, w.y, HEIGHT, node, rssi) for w in windows for node, rssi in w.rssi_dbm.items()]
+    table = np.array(heard, dtype=np.float64).reshape(-1, 5)
+    anchors = make_anchors(list(positions), list(positions.values()))
+    return anchors, survey_of(Readings(table[:, :3], table[:, 3].astype(np.int64), table[:, 4]), anchors)
 
 
 def read_anchors(path: Path) -> Positions:
@@ -95,12 +116,9 @@ def calibrated(positions: Positions, survey: list[Window]) -> Anchors:
 
 
 def _windows(path: Path, positions: Positions, dropped: Dropped) -> Iterator[Window]:
-    names = ['ts', 'x', 'y', *(f'rssi_{node}' for node in positions)]
-    for ts, x, y, *cells in _table(path, names, dropped):
+    for ts, x, y, *cells in _table(path, ['ts', 'x', 'y', *(f'rssi_{node}' for node in positions)], dropped):
         try:
-            # written as 1.628e+18 [ns]
-            stamp = nanoseconds(f'{ts}e-9' if 'e' not in ts.lower() else _shifted(ts))
-            place = numbers([x, y])
+            stamp, place = nanoseconds(ts, -9), numbers([x, y])
         except ValueError as reason:
             dropped[str(reason)] += 1
             continue
@@ -111,7 +129,23 @@ def _windows(path: Path, positions: Positions, dropped: Dropped) -> Iterator[Win
                     heard[node] = _rssi(cell)
             except ValueError as reason:
                 dropped[str(reason)] += 1
-        yield Window(stamp, *place, heard)
+        yield Window(stamp, place[0], place[1], heard)
+
+
+def _table(path: Path, names: list[str], dropped: Dropped) -> Iterator[list[str]]:
+    """The named columns of every row."""
+    lines = lines_of(path)
+    header = lines[0].split(',') if lines else []
+    missing = [name for name in names if name not in header]
+    if missing:
+        raise TrackingError(f'{path} has no column {", ".join(missing)}: its first line names {header or "nothing"}')
+    columns = [header.index(name) for name in names]
+    for line in lines[1:]:
+        cells = line.split(',')
+        if len(cells) == len(header):
+            yield [cells[column] for column in columns]
+        else:
+            dropped['wrong_columns'] += 1
 
 
 def _rssi(cell: str) -> float:

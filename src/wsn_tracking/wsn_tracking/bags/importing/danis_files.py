@@ -46,6 +46,7 @@ class Links(NamedTuple):
     mean_dbm: Floats  # (K,)
     std_db: Floats  # (K,) of the packets at one point
     complete: Floats  # (K,) 1, or 0 where the histogram is cut off below its lowest bin
+    points: Floats  # (K, 3) [m]
 
 
 class Reception(NamedTuple):
@@ -137,7 +138,7 @@ def read_histograms(path: Path, devices: Devices) -> dict[int, Links]:
     below the lowest edge are not in it: where the lowest bin holds more than CUT, the mean is too high.
     """
     sections = _sections(path)
-    rows: dict[int, list[tuple[float, float, float, float]]] = {}
+    rows: dict[int, list[tuple[float, ...]]] = {}
     try:
         levels = np.asarray(sections['Bins'][:-1], dtype=np.float64)
         for point, by_mac in sections['Fingerprints'].items():
@@ -147,7 +148,8 @@ def read_histograms(path: Path, devices: Devices) -> dict[int, Links]:
                     receiver = devices.receivers[mac]
                     distance = float(np.linalg.norm(place - np.array(receiver.position)))
                     for pmf in by_beacon.values():
-                        rows.setdefault(receiver.node_id, []).append(_moments(distance, levels, pmf))
+                        row = (*_moments(distance, levels, pmf), *place.tolist())
+                        rows.setdefault(receiver.node_id, []).append(row)
     except (KeyError, ValueError, TypeError, AttributeError, IndexError) as error:
         raise TrackingError(
             f'{path} holds no histograms as expected (Bins, Fingerprints: point: MAC: beacon: pmf): {error}'
@@ -155,7 +157,8 @@ def read_histograms(path: Path, devices: Devices) -> dict[int, Links]:
     absent = {r.node_id for r in devices.receivers.values()} - set(rows)
     if absent:
         raise TrackingError(f'{path} has no histogram of receivers {sorted(absent)}: they cannot be calibrated')
-    return {node: Links(*np.array(links).T) for node, links in sorted(rows.items())}
+    tables = {node: np.array(links) for node, links in sorted(rows.items())}
+    return {node: Links(*table[:, :4].T, table[:, 4:]) for node, table in tables.items()}
 
 
 def _moments(distance: float, levels: Floats, pmf: Any) -> tuple[float, float, float, float]:

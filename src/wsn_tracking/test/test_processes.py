@@ -1,0 +1,198 @@
+"""Processes of a graph: started with their own parameters, watched, and never left behind."""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+import threading
+import time
+
+import pytest
+import yaml
+
+from wsn_tracking import processes
+from wsn_tracking.errors import TrackingError
+from wsn_tracking.graphs import Process
+from wsn_tracking.processes import command, declared, executable, run_graph, write_parameters
+
+STAY = 'import signal, sys; signal.signal(signal.SIGINT, lambda *_: sys.exit(0)); signal.pause()'
+
+
+@pytest.fixture
+def installed(tmp_path, monkeypatch):
+    """Makes executables of this package that run a line of Python; each notes its process id."""
+    folder = tmp_path / 'lib' / 'wsn_tracking'
+    folder.mkdir(parents=True)
+    monkeypatch.setenv('AMENT_PREFIX_PATH', f'/nowhere:{tmp_path}')
+    monkeypatch.setattr(processes, 'POLL', 0.005)
+
+    def install(name, code):
+        path = folder / name
+        note = f'import os; open({str(tmp_path / name)!r} + ".pid", "w").write(str(os.getpid()))'
+        path.write_text(f'#!{sys.executable} -IS\n{note}\n{code}\n')
+        path.chmod(0o755)
+        return path
+
+    install.folder = tmp_path
+    return install
+
+
+def until(condition):
+    """Python that waits for a condition; what cannot be told yet is not met."""
+    return f"""
+import os, time
+while True:
+    try:
+        if {condition}: break
+    except (OSError, IndexError): pass
+    time.sleep(.002)
+"""
+
+
+def alive(installed, name):
+    """Whether the process that an executable has become still runs."""
+    pid = installed.folder / f'{name}.pid'
+    if not pid.exists():
+        return False
+    try:
+        os.kill(int(pid.read_text() or 0), 0)
+    except ProcessLookupError:
+        return False
+    return True
+
+
+def process(executable_, name=None, **parameters):
+    return Process(executable_, name or executable_, parameters)
+
+
+# ---- parameters
+
+
+def test_a_process_gets_what_its_executable_declares(tmp_path):
+    one = process(
+        'sensing_node', 'sensing_3', ids=(3,), seed=7, lossless=True, peers=[1, 2], expected_publishers=['rssi=1'],
+        nonsense=1, **{'trigger.kind': 'near', 'trigger.y_min': -46.9, 'noise.q_max': 3.0},
+    )  # fmt: skip
+    known = {
+        'ids': (3,), 'seed': 7, 'lossless': True, 'trigger.kind': 'near', 'trigger.y_min': -46.9,
+        'expected_publishers': ['rssi=1'],
+    }  # fmt: skip
+    assert declared(one) == known
+    path = write_parameters(one, tmp_path)
+    assert yaml.safe_load(path.read_text()) == {'/**': {'ros__parameters': {**known, 'ids': [3]}}}
+
+
+def test_an_empty_list_is_left_out_since_ros_files_cannot_say_it(tmp_path):
+    path = write_parameters(process('estimator_node', nodes=(), peers=[]), tmp_path)
+    assert yaml.safe_load(path.read_text()) == {'/**': {'ros__parameters': {}}}
+
+
+def test_a_command_is_what_ros2_run_would_start(installed, tmp_path):
+    path = installed('sensing_node', '')
+    assert command(process('sensing_node', 'sensing_3'), tmp_path / 'p.yaml') == [
+        str(path), '--ros-args', '-r', '__node:=sensing_3', '--params-file', str(tmp_path / 'p.yaml')
+    ]  # fmt: skip
+
+
+def test_what_is_not_installed_is_an_error_that_says_what_to_do(installed):
+    with pytest.raises(TrackingError, match='estimator_node is not installed: build the workspace'):
+        executable('estimator_node')
+
+
+# ---- running
+
+
+def test_the_graph_ends_when_the_last_ones_have(installed):
+    installed('evaluator_node', '')
+    installed('bag_recorder_node', '')
+    installed('estimator_node', STAY)
+    graph = [process('estimator_node'), process('evaluator_node'), process('bag_recorder_node')]
+    assert run_graph(graph, ['evaluator_node', 'bag_recorder_node']) == 0
+    assert not any(alive(installed, p.name) for p in graph)
+
+
+def test_an_error_of_any_process_is_named_and_is_the_result(installed, capfd):
+    """The others go on without it."""
+    installed('estimator_node', 'raise SystemExit(3)')
+    ended = f'open("/proc/" + open({str(installed.folder / "estimator_node.pid")!r}).read() + "/stat").read().split()[2]'
+    installed('evaluator_node', until(f'{ended} in "ZX"'))
+    assert run_graph([process('estimator_node'), process('evaluator_node')], ['evaluator_node']) == 3
+    assert capfd.readouterr().err == 'estimator_node ended with code 3\n'
+
+
+def test_a_feed_that_fails_ends_the_graph_after_a_grace(installed, capfd, monkeypatch):
+    monkeypatch.setattr(processes, 'GRACE', 0.1)
+    installed('bag_player_node', 'raise SystemExit(2)')
+    installed('evaluator_node', STAY)
+    assert run_graph([process('evaluator_node'), process('bag_player_node', 'bag_player')], ['evaluator_node']) == 2
+    assert 'bag_player ended with code 2' in capfd.readouterr().err
+    assert not alive(installed, 'evaluator_node')
+
+
+def test_a_process_that_does_not_listen_is_killed(installed, monkeypatch):
+    monkeypatch.setattr(processes, 'GRACE', 0.05)
+    deaf = str(installed.folder / 'deaf')
+    ignore = 'import signal; signal.signal(signal.SIGINT, signal.SIG_IGN)'
+    installed('estimator_node', f'{ignore}; open({deaf!r}, "w")\nwhile True: signal.pause()')
+    installed('evaluator_node', until(f'os.path.exists({deaf!r})'))
+    assert run_graph([process('estimator_node'), process('evaluator_node')], ['evaluator_node']) == 0
+    assert not alive(installed, 'estimator_node')
+
+
+def test_nothing_to_wait_for_is_an_error():
+    assert run_graph([], []) == 1
+
+
+def test_when_one_cannot_be_started_the_others_are_ended(installed):
+    """They live in sessions of their own: nobody else would end them."""
+    installed('estimator_node', STAY)
+    graph = [process('estimator_node'), process('evaluator_node')]
+    with pytest.raises(TrackingError, match='evaluator_node is not installed'):
+        run_graph(graph, ['evaluator_node'])
+    assert not alive(installed, 'estimator_node')
+
+
+def test_what_cannot_be_executed_is_an_error_of_ours(installed):
+    installed('evaluator_node', '').chmod(0o644)
+    with pytest.raises(TrackingError, match=r'evaluator_node cannot be started \(Permission denied\)'):
+        run_graph([process('evaluator_node')], ['evaluator_node'])
+
+
+@pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_a_signal_ends_all_of_it(installed, number):
+    """What a user, `timeout`, make or a closed terminal sends."""
+    installed('estimator_node', STAY)
+    noted = installed.folder / 'estimator_node.pid'
+
+    def send_when_started():
+        deadline = time.monotonic() + 10.0
+        while not (noted.exists() and noted.read_text()) and time.monotonic() < deadline:
+            time.sleep(0.002)
+        os.kill(os.getpid(), number)
+
+    before = signal.getsignal(number)
+    sender = threading.Thread(target=send_when_started)
+    sender.start()
+    with pytest.raises(KeyboardInterrupt):
+        run_graph([process('estimator_node')], ['estimator_node'])
+    sender.join()
+    assert not alive(installed, 'estimator_node')
+    assert signal.getsignal(number) is before
+
+
+def test_it_runs_in_a_thread_too(installed):
+    """Where no signal can be handled."""
+    installed('evaluator_node', 'raise SystemExit(4)')
+    codes = []
+    thread = threading.Thread(target=lambda: codes.append(run_graph([process('evaluator_node')], ['evaluator_node'])))
+    thread.start()
+    thread.join()
+    assert codes == [4]
+
+
+def test_a_process_is_out_of_reach_of_the_terminal(installed):
+    """Ctrl-C reaches the program alone, which then ends all in order."""
+    installed('evaluator_node', f'open({str(installed.folder / "sid")!r}, "w").write(str(os.getsid(0)))')
+    assert run_graph([process('evaluator_node')], ['evaluator_node']) == 0
+    assert int((installed.folder / 'sid').read_text()) not in {0, os.getsid(0)}

@@ -1,0 +1,100 @@
+"""The long runs: their figures, their intervals, and the file that keeps them."""
+
+import json
+
+import numpy as np
+import pytest
+
+from wsn_tracking.errors import TrackingError
+from wsn_tracking.evaluation import study, study_random_q
+from wsn_tracking.evaluation.intervals import mean_of, ratio_of
+
+
+def test_intervals_hold_the_truth_as_often_as_they_say():
+    rng = np.random.default_rng(1)
+    held_mean = held_ratio = held_root = 0
+    for _ in range(400):
+        below = rng.gamma(4.0, 1.0, 200)
+        above = 0.8 * below + 0.3 * rng.standard_normal(200)
+        low, high = mean_of(below)['interval_95']
+        held_mean += low < 4.0 < high
+        low, high = ratio_of(above, below)['interval_95']
+        held_ratio += low < 0.8 < high
+        low, high = ratio_of(above, below, root=True)['interval_95']
+        held_root += low < np.sqrt(0.8) < high
+    # 400 draws of 95 %: 380, standard deviation 4.4
+    assert all(362 <= held <= 396 for held in (held_mean, held_ratio, held_root))
+
+
+def test_what_two_quantities_have_in_common_cancels():
+    values = np.random.default_rng(2).gamma(2.0, 1.0, 50)
+    assert ratio_of(0.9 * values, values) == {'value': 0.9, 'interval_95': [0.9, 0.9]}
+    assert mean_of(np.array([1.0, 1.0]), 100.0)['value'] == 100.0
+
+
+def test_every_study_of_system_a_runs_and_is_plain_json():
+    results = {
+        'trigger_rate': study_random_q.trigger_rate(runs=3),
+        'update_forms': study_random_q.update_forms(runs=3),
+        'matched_model': study_random_q.matched_model(runs=6, epochs=4, reference_runs=3, particles=50),
+    }
+    assert set(results) == set(study.STUDIES['system_a'])
+    text = json.dumps(results, allow_nan=False)
+    assert results == json.loads(text)
+    low, high = results['trigger_rate']['sent_of_in_radius']['alpha_0.3']['interval_95']
+    assert 0.3 < low < high < 0.5
+
+
+def counted():
+    """One line that says what.
+
+    And more.
+    """
+    counted.times += 1
+    return {'value': counted.times, 'b': 1, 'a': 2}
+
+
+def other():
+    """Another."""
+    return {'value': 0}
+
+
+@pytest.fixture
+def table():
+    counted.times = 0
+    return {'first': {'counted': counted, 'other': other}, 'second': {'third': other}}
+
+
+def test_every_table_is_a_file_with_sorted_keys(tmp_path, table):
+    assert study.run(tmp_path / 'new', (), table) == [tmp_path / 'new' / 'first.json', tmp_path / 'new' / 'second.json']
+    text = (tmp_path / 'new' / 'first.json').read_text()
+    assert text.index('"a"') < text.index('"b"') < text.index('"value"')
+    told = json.loads(text)
+    assert told['studies']['counted'] == {'what': 'One line that says what.', 'value': 1, 'a': 2, 'b': 1}
+    assert str(tmp_path) not in text
+
+
+def test_a_study_alone_leaves_the_others_figures(tmp_path, table):
+    study.run(tmp_path, (), table)
+    before = (tmp_path / 'second.json').read_bytes()
+    assert study.run(tmp_path, ['other'], table) == [tmp_path / 'first.json']
+    assert json.loads((tmp_path / 'first.json').read_text())['studies']['counted']['value'] == 1
+    assert (tmp_path / 'second.json').read_bytes() == before
+    study.run(tmp_path, ['counted'], {'first': {'counted': counted}})
+    assert set(json.loads((tmp_path / 'first.json').read_text())['studies']) == {'counted'}  # `other` is no more
+
+
+def test_what_cannot_be_run_or_kept_is_refused_in_one_line(tmp_path, table, capsys):
+    with pytest.raises(TrackingError, match='there is no study `tird`: expected some of counted, other, third'):
+        study.run(tmp_path, ['tird'], table)
+    (tmp_path / 'first.json').write_text('[]')
+    with pytest.raises(TrackingError, match='holds no figures of a study'):
+        study.run(tmp_path, (), table)
+    assert study.main(['-o', str(tmp_path), 'nonsense']) == 1
+    assert capsys.readouterr().err.startswith('study: there is no study `nonsense`')
+
+
+def test_the_command_prints_what_it_wrote(tmp_path, table, monkeypatch, capsys):
+    monkeypatch.setattr(study.run, '__defaults__', ((), table))
+    assert study.main(['-o', str(tmp_path)]) == 0
+    assert capsys.readouterr().out.split() == [str(tmp_path / 'first.json'), str(tmp_path / 'second.json')]

@@ -1,0 +1,142 @@
+"""What a calibration found: the radio of each node, how well that is known, and where it came from."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Mapping
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wsn_tracking.errors import TrackingError
+from wsn_tracking.models.anchors import Anchors, Floats
+from wsn_tracking.models.radio_map import RadioMap
+
+
+class Quantity(NamedTuple):
+    """One number a node, (N,) each."""
+
+    value: Floats
+    std: Floats
+    low: Floats  # lower end of the 95 % confidence interval
+    high: Floats
+
+
+class PathLoss(NamedTuple):
+    """A radio reads p1_dbm - 10 n log10(d / 1 m); sigma_db is the standard deviation of one packet about that."""
+
+    p1_dbm: Quantity
+    n: Quantity
+    sigma_db: Quantity
+    places: NDArray[np.int64]  # (N,) at which a node was heard
+    readings: NDArray[np.int64]  # (N,)
+
+
+class Ranging(NamedTuple):
+    """A ranging radio reads scale d + bias; sigma is the standard deviation of one range about that [m]."""
+
+    bias: Quantity
+    scale: Quantity
+    sigma: Quantity
+    places: NDArray[np.int64]
+    readings: NDArray[np.int64]
+
+
+class Channel(NamedTuple):
+    """The radios of nodes `ids` (N,), ascending."""
+
+    ids: NDArray[np.int64]
+    path_loss: PathLoss | None
+    ranging: Ranging | None
+    radio_map: RadioMap | None
+    origin: Mapping[str, str]  # where it came from, in words
+
+
+def apply(channel: Channel, anchors: Anchors) -> Anchors:
+    """The anchors with the radio of the channel; nodes that it lacks keep theirs (see `lacking`).
+
+    Raises TrackingError where it has none of the nodes: then it is of another network.
+    """
+    rows = _rows(channel, anchors)
+    there = rows >= 0
+
+    def column(own: Floats, found: Floats) -> Floats:
+        return np.where(there, found[rows], own)
+
+    if channel.path_loss is not None:
+        loss = channel.path_loss
+        anchors = anchors._replace(
+            p1_dbm=column(anchors.p1_dbm, loss.p1_dbm.value),
+            d0=column(anchors.d0, np.ones(channel.ids.size)),
+            n=column(anchors.n, loss.n.value),
+            sigma_db=column(anchors.sigma_db, loss.sigma_db.value),
+        )
+    if channel.ranging is not None:
+        anchors = anchors._replace(
+            bias=column(anchors.bias, channel.ranging.bias.value),
+            scale=column(anchors.scale, channel.ranging.scale.value),
+        )
+    return anchors
+
+
+def lacking(channel: Channel, anchors: Anchors) -> tuple[int, ...]:
+    """Ids of the anchors that the channel says nothing of."""
+    return tuple(anchors.ids[_rows(channel, anchors) < 0].tolist())
+
+
+def _rows(channel: Channel, anchors: Anchors) -> NDArray[np.int64]:
+    place = {node: row for row, node in enumerate(channel.ids.tolist())}
+    rows = np.array([place.get(node, -1) for node in anchors.ids.tolist()], dtype=np.int64)
+    if np.all(rows < 0):
+        raise TrackingError(
+            f'the channel is of nodes {channel.ids.tolist()}, none of which is among the anchors '
+            f'{anchors.ids.tolist()}: give the calibration of this network'
+        )
+    return rows
+
+
+def calibrated(path: str, anchors: Anchors) -> tuple[Anchors, RadioMap | None]:
+    """The anchors with the radio of a channel file, and its map; as they are where the path is empty.
+
+    Nodes that the file lacks keep the radio of the anchors, which is said in a warning.
+    """
+    if not path:
+        return anchors, None
+    channel = load_channel(path)
+    try:
+        absent = lacking(channel, anchors)
+    except TrackingError as error:
+        raise TrackingError(f'{path}: {error}') from None
+    if absent:
+        logging.getLogger(__name__).warning(
+            '%s lacks nodes %s: they keep the radio of the anchors, uncalibrated', path, list(absent)
+        )
+    return apply(channel, anchors), channel.radio_map
+
+
+def check_channel(path: str) -> None:
+    """Raise TrackingError where a path that is given leads to no channel: before anything starts, not within."""
+    if path:
+        load_channel(path)
+
+
+def load_channel(path: Path | str) -> Channel:
+    """Read a channel file; TrackingError where it is none."""
+    from wsn_tracking.sensing.channel_file import parse_channel  # what reads YAML is needed here alone
+
+    try:
+        text = Path(path).read_text('utf-8')
+    except (OSError, ValueError) as error:
+        reason = error.strerror if isinstance(error, OSError) else 'it is no text'
+        raise TrackingError(f'channel {path} cannot be read ({reason}): expected a file of `calibrate`') from error
+    return parse_channel(text, str(path))
+
+
+def save_channel(path: Path | str, channel: Channel) -> None:
+    """Write a channel file, whole or not at all; an existing file is replaced."""
+    from wsn_tracking.files import write_whole
+    from wsn_tracking.sensing.channel_file import channel_text
+
+    write_whole(path, channel_text(channel).encode())

@@ -1,0 +1,366 @@
+"""Those who only look on: marker_node and `watch` beside a replay, and the files that viewers load."""
+
+from __future__ import annotations
+
+import contextlib
+import importlib
+import io
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+import yaml
+from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
+from visualization_msgs.msg import Marker, MarkerArray
+from wsn_tracking_msgs.msg import TargetEstimate, TriggerReport
+
+import live
+from observer import observing
+from wsn_tracking import graphs
+from wsn_tracking.bags.read import read
+from wsn_tracking.evaluation.ellipses import CHI2_95
+from wsn_tracking.evaluation.node_states import LOOKS, SENT, UNREPORTED, rgb
+from wsn_tracking.evaluation.plot_style import COLOURS
+from wsn_tracking.nodes import convert, qos
+
+TIMEOUT = 30.0  # [s]
+RATE = 30.0
+TRACK = 30  # epochs
+LAST = 60  # epoch from which on there is enough to see
+RVIZ = live.ROOT / 'src' / 'wsn_tracking' / 'rviz' / 'random_q.rviz'
+FOXGLOVE = live.ROOT / 'docs' / 'foxglove' / 'wsn_tracking.json'
+
+
+class File:
+    """A PNG that somebody rewrites: every version that was seen, each of them whole."""
+
+    def __init__(self, path):
+        self.path = path
+        self.versions = {}
+
+    def look(self):
+        if self.path.exists():
+            content = self.path.read_bytes()
+            assert content.startswith(b'\x89PNG')
+            assert content.endswith(b'IEND\xaeB`\x82')
+            self.versions[content] = None
+        return list(self.versions)
+
+
+@pytest.fixture(scope='module')
+def seen(tmp_path_factory):
+    """One replay with markers, watched."""
+    png = File(tmp_path_factory.mktemp('watch') / 'live.png')
+    graph = graphs.replay(str(live.A_LOOP), rate=RATE, settings={'track_length': TRACK}, markers=True)
+    topics = {}
+    with (
+        live.private_domain() as environment,
+        observing(environment) as observer,
+        live.started(graph, environment) as running,
+        watching(environment, '--png', str(png.path), '--every', '0.2') as watch,
+    ):
+        arrays = observer.collect(MarkerArray, 'markers', qos.DISPLAY)
+        estimates = observer.collect(TargetEstimate, 'estimate/fused_1', qos.ESTIMATES)
+        reports = observer.collect(TriggerReport, 'trigger_report', qos.MEASUREMENTS)
+        observer.until(lambda: len(png.look()) >= 3 and arrays and stamp(arrays[-1]) >= LAST, TIMEOUT, f'epoch {LAST}')
+        for name, kinds in observer.node.get_topic_names_and_types():
+            offered = observer.node.get_publishers_info_by_topic(name)
+            topics[name] = SimpleNamespace(kinds=kinds, offers=[one.qos_profile for one in offered])
+        late = observer.collect(MarkerArray, 'anchor_markers', qos.LATCHED_LAST)
+        observer.until(lambda: late, TIMEOUT, 'the anchors, by a subscriber that came late')
+        onlookers = {'watch': watch, 'markers': running['markers']}
+        for process in onlookers.values():
+            process.send_signal(signal.SIGINT)
+        outputs = {name: process.communicate(timeout=TIMEOUT)[0] for name, process in onlookers.items()}
+        png.look()
+    return SimpleNamespace(
+        png=png,
+        arrays=arrays,
+        anchors=late[-1],
+        estimates={convert.stamp_ns(e.header.stamp): e for e in estimates},
+        reports=reports,
+        topics=topics,
+        codes={name: process.returncode for name, process in onlookers.items()},
+        outputs=outputs,
+    )
+
+
+@contextlib.contextmanager
+def watching(environment, *arguments):
+    """`wsn-tracking watch`, killed at the end if it still runs."""
+    process = subprocess.Popen(
+        [sys.executable, '-m', 'wsn_tracking.cli', 'watch', *arguments],
+        env=environment,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+    )
+    try:
+        yield process
+    finally:
+        process.kill()
+        process.communicate()
+
+
+def array_ns(array):
+    """Stamp of an array: that of the newest estimate in it."""
+    return convert.stamp_ns(array.markers[0].header.stamp)
+
+
+def stamp(array):
+    """Epoch of an array; bags/a_loop has one a second."""
+    return (array_ns(array) - read(live.A_LOOP).messages[0].stamp_ns) // 10**9
+
+
+def settled(seen):
+    """The latest array whose estimate was seen too: its markers by namespace, and that estimate."""
+    array = next(array for array in reversed(seen.arrays) if array_ns(array) in seen.estimates)
+    return {marker.ns: marker for marker in array.markers}, seen.estimates[array_ns(array)]
+
+
+def planar(points):
+    return np.array([(p.x, p.y) for p in points])
+
+
+# ---- marker_node
+
+
+def test_markers_change_nothing_in_the_rest_of_the_graph():
+    plain, drawn = (graphs.replay(str(live.A_LOOP), markers=markers) for markers in (False, True))
+    assert [p for p in drawn if p.name != 'markers'] == list(plain)
+    assert [p.executable for p in drawn if p.name == 'markers'] == ['marker_node']
+
+
+def test_anchors_are_latched_with_their_ids(seen):
+    table = read(live.A_LOOP).anchors
+    assert seen.anchors.markers[0].action == Marker.DELETEALL
+    (boxes,) = [m for m in seen.anchors.markers if m.ns == 'anchors']
+    np.testing.assert_allclose([(p.x, p.y, p.z) for p in boxes.points], table.positions)
+    texts = [m for m in seen.anchors.markers if m.ns == 'anchors/id']
+    assert [m.text for m in texts] == [str(node) for node in table.ids]
+    assert len({m.id for m in texts}) == len(texts)
+
+
+def test_ellipse_of_an_estimate_is_its_95_percent_region(seen):
+    named, estimate = settled(seen)
+    offset = planar(named['fused_1/ellipse'].points) - estimate.mean[:2]
+    P = np.array(estimate.covariance).reshape(4, 4)[:2, :2]
+    np.testing.assert_allclose(np.einsum('pi,ij,pj->p', offset, np.linalg.inv(P), offset), CHI2_95, rtol=1e-6)
+
+
+def test_a_track_ends_at_the_estimate_and_is_bounded(seen):
+    named, estimate = settled(seen)
+    line = named['fused_1']
+    assert line.type == Marker.LINE_STRIP
+    assert len(line.points) == TRACK
+    np.testing.assert_allclose(planar(line.points)[-1], estimate.mean[:2])
+    place = named['fused_1/position'].pose.position
+    np.testing.assert_allclose((place.x, place.y), estimate.mean[:2])
+
+
+def test_nodes_are_coloured_by_what_they_did_in_that_epoch_or_the_next(seen):
+    """The report of an epoch comes ahead of its estimates."""
+    named, estimate = settled(seen)
+    ids = read(live.A_LOOP).anchors.ids.tolist()
+    shown = [(round(c.r, 3), round(c.g, 3), round(c.b, 3)) for c in named['nodes'].colors]
+    possible = []
+    for report in seen.reports:
+        if report.request_seq - estimate.request_seq in {0, 1}:
+            states = dict.fromkeys(report.sent_ids, SENT) | dict(zip(report.silent_ids, report.reasons, strict=True))
+            looks = [LOOKS.get(states.get(node), UNREPORTED) for node in ids]
+            possible.append([tuple(round(part, 3) for part in rgb(one.color)) for one in looks])
+    assert shown in possible
+    assert UNREPORTED.color not in shown
+
+
+def test_truth_is_drawn_where_the_target_is(seen):
+    named, estimate = settled(seen)
+    truth = read(live.A_LOOP).truth[1]
+    line = planar(named['truth'].points)
+    distance = np.linalg.norm(truth.positions[:, None, :2] - line, axis=-1).min(axis=0)
+    assert np.max(distance) < 1e-9
+    assert 2 <= len(line) <= 4 * TRACK
+
+
+def test_arrays_come_no_faster_than_asked(seen):
+    """About 120 epochs in four seconds, at most five arrays a second."""
+    epochs = [stamp(array) for array in seen.arrays]
+    assert epochs == sorted(epochs)
+    assert len(epochs) < 40
+
+
+def test_onlookers_end_with_0_and_without_a_word_of_error(seen):
+    assert seen.codes == {'watch': 0, 'markers': 0}
+    for name in ('watch', 'markers'):
+        assert 'Traceback' not in seen.outputs[name]
+
+
+# ---- watch --png
+
+
+def coloured(content, color):
+    """Pixels of exactly that colour."""
+    from matplotlib.image import imread
+
+    pixels = np.round(imread(io.BytesIO(content))[..., :3] * 255)
+    return int(np.sum(np.all(pixels == np.round(np.array(rgb(color)) * 255), axis=-1)))
+
+
+def test_the_last_map_shows_track_truth_and_nodes(seen):
+    last = seen.png.look()[-1]
+    assert coloured(last, COLOURS[0]) > 60
+    assert coloured(last, '#222222') > 60
+    assert coloured(last, LOOKS[SENT].color) > 20
+
+
+def test_the_map_is_rewritten_while_the_graph_runs(seen):
+    assert len(seen.png.look()) >= 3
+    assert [path.name for path in seen.png.path.parent.iterdir()] == ['live.png']
+
+
+def without_display(environment):
+    return {k: v for k, v in environment.items() if k not in {'DISPLAY', 'WAYLAND_DISPLAY', 'MPLBACKEND'}}
+
+
+def test_without_a_display_watch_says_so_in_one_line():
+    """Where matplotlib finds no toolkit by itself, and where it is told to use one that cannot open a window."""
+    plain = without_display(os.environ)
+    with watching(plain) as one, watching({**plain, 'MPLBACKEND': 'tkagg'}) as other:
+        for process in (one, other):
+            output, _ = process.communicate(timeout=TIMEOUT)
+            assert process.returncode == 1
+            (line,) = output.strip().splitlines()
+            assert line.startswith('wsn-tracking watch: error: no window can be opened')
+            assert '--png FILE' in line
+
+
+def test_a_window_is_drawn_again_and_again_until_it_is_closed():
+    """There is no graph, so no data: that is no error."""
+    with live.private_domain() as environment:
+        extra = {
+            'MPLBACKEND': 'module://fake_window',
+            'CLOSE_AFTER': '6',
+            'PYTHONPATH': os.pathsep.join([str(live.ROOT / 'test'), environment.get('PYTHONPATH', '')]),
+        }
+        with watching({**without_display(environment), **extra}, '--every', '0.1') as process:
+            output, _ = process.communicate(timeout=TIMEOUT)
+    assert process.returncode == 0, output
+    words = output.split()
+    assert words[0] == 'opened'
+    assert words.count('drawn') >= 2
+
+
+# ---- RViz and Foxglove
+
+
+def rviz_displays():
+    content = yaml.safe_load(RVIZ.read_text('utf-8'))
+    return content, [d for d in content['Visualization Manager']['Displays'] if 'Topic' in d]
+
+
+def test_rviz_file_has_the_parts_that_rviz_reads():
+    content, displays = rviz_displays()
+    manager = content['Visualization Manager']
+    assert manager['Global Options']['Fixed Frame'] == convert.FRAME
+    assert {d['Topic']['Value'] for d in displays} == {
+        'anchor_markers',
+        'markers',
+        'odometry/fused_1',
+        'truth/target_1',
+    }
+    named = [*content['Panels'], *manager['Displays'], *manager['Tools'], manager['Views']['Current']]
+    for entry in named:
+        assert entry['Class'].partition('/')[0] in {'rviz_common', 'rviz_default_plugins'}
+    for display in manager['Displays']:
+        assert display['Enabled'] is display['Value'] is True
+
+
+KINDS = {
+    'rviz_default_plugins/MarkerArray': 'visualization_msgs/msg/MarkerArray',
+    'rviz_default_plugins/Odometry': 'nav_msgs/msg/Odometry',
+}
+
+
+def test_rviz_topics_are_offered_with_their_type_and_a_quality_that_suits(seen):
+    """A reliable subscriber hears nothing of a best-effort publisher, nor one that wants the past of a volatile one."""
+    for display in rviz_displays()[1]:
+        asked = display['Topic']
+        there = seen.topics['/' + asked['Value']]
+        assert there.kinds == [KINDS[display['Class']]]
+        for offer in there.offers:
+            if asked['Reliability Policy'] == 'Reliable':
+                assert offer.reliability == ReliabilityPolicy.RELIABLE
+            if asked['Durability Policy'] == 'Transient Local':
+                assert offer.durability == DurabilityPolicy.TRANSIENT_LOCAL
+
+
+def test_viewers_name_the_namespaces_that_are_published(seen):
+    moving = {marker.ns for array in seen.arrays for marker in array.markers}
+    fixed = {marker.ns for marker in seen.anchors.markers if marker.ns}
+    nodes, markers = (d['Namespaces'] for d in rviz_displays()[1][:2])
+    assert (set(nodes), set(markers)) == (fixed, moving)
+    topics = foxglove()['configById']['3D!map']['topics']
+    assert set(topics['/anchor_markers']['namespaces']) == fixed
+    assert {name: one['visible'] for name, one in topics['/markers']['namespaces'].items()} == markers
+
+
+def foxglove():
+    return json.loads(FOXGLOVE.read_text('utf-8'))
+
+
+def placed(node):
+    """Panels of a layout tree, tabs opened."""
+    if isinstance(node, str):
+        yield node
+        for tab in foxglove()['configById'][node].get('tabs', ()):
+            yield from placed(tab['layout'])
+    else:
+        assert node['direction'] in {'row', 'column'}
+        yield from placed(node['first'])
+        yield from placed(node['second'])
+
+
+def test_foxglove_layout_places_every_panel_once():
+    layout = foxglove()
+    assert sorted(placed(layout['layout'])) == sorted(layout['configById'])
+    assert {name.partition('!')[0] for name in layout['configById']} == {
+        '3D',
+        'DiagnosticStatusPanel',
+        'DiagnosticSummary',
+        'Plot',
+        'RawMessages',
+        'Tab',
+    }
+
+
+def paths(value):
+    """Topics and message paths in a layout."""
+    if isinstance(value, dict):
+        for key, inner in value.items():
+            if key in {'topicToRender', 'topicPath'} or (key == 'value' and isinstance(inner, str)):
+                yield inner
+            elif key == 'topics':
+                yield from inner
+            else:
+                yield from paths(inner)
+    elif isinstance(value, list):
+        for inner in value:
+            yield from paths(inner)
+
+
+def test_foxglove_paths_lead_through_messages_of_the_graph(seen):
+    every = list(paths(foxglove()))
+    assert len(every) > 10
+    for path in every:
+        topic, *fields = re.sub(r'\{.*?\}|\[[-:\d]*\]', '', path).split('.')
+        (kind,) = seen.topics[topic].kinds
+        for field in fields:
+            package, _, name = kind.rpartition('/')
+            message = getattr(importlib.import_module(f'{package.partition("/")[0]}.msg'), name)
+            kind = re.sub(r'sequence<(.*?)>', r'\1', message.get_fields_and_field_types()[field])
