@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import json
 from concurrent.futures import ThreadPoolExecutor
 
+import numpy as np
 import pytest
 
 import live
 from wsn_tracking import graphs
 from wsn_tracking.bags.save import save
+from wsn_tracking.evaluation.run import summarise
 from wsn_tracking.offline import offline
 from wsn_tracking.sensing.recording import Recording
 from wsn_tracking.sensing.values import EpochEnd, Request
@@ -20,7 +23,7 @@ CASES = ((1.0, 5), (20.0, 40), (0.0, 120))  # rate (0: as fast as it goes), epoc
 
 def shortened(recording: Recording, epochs: int) -> Recording:
     """The first epochs of a recording, the last of them final."""
-    kept = [m for m in recording.messages if (m.seq if isinstance(m, Request) else m.request_seq) < epochs]
+    kept = [m for m in recording.messages if request_seq(m) < epochs]
     last = max(i for i, m in enumerate(kept) if isinstance(m, EpochEnd))
     kept[last] = kept[last]._replace(final=True)
     return recording._replace(messages=tuple(kept))
@@ -75,3 +78,37 @@ def assert_equal_to_evaluation(bag, estimates):
     for name, published in estimates.items():
         assert len(published) == run.epochs
         assert live.differences(published, run.estimates[name]) == []
+
+
+def test_one_target_of_several_is_replayed_alone(tmp_path):
+    """A second target that starts late, with dense truth: nothing of it is lost."""
+    _, one = graphs.open_bag(str(live.A_LOOP))
+    two = shortened(one, 12)
+    late = [m._replace(target_id=2) for m in one.messages if 8 <= request_seq(m) < 20]
+    late = [m._replace(final=request_seq(m) == 19) if isinstance(m, EpochEnd) else m for m in late]
+    truth = {1: one.truth[1], 2: dense(one.truth[1])._replace(target_id=2)}
+    bag = tmp_path / 'two_targets'
+    save(bag, two._replace(messages=(*two.messages, *late), truth=truth))
+    run = offline(*graphs.open_bag(str(bag)), target_id=2)
+    assert run.epochs == 12
+    record = {'output': str(tmp_path / 'out'), 'extra_topics': ['estimate/fused_1']}
+    scores = tmp_path / 'scores.json'
+    graph = graphs.replay(str(bag), rate=0.0, target_id=2, record=record, evaluator={'json': str(scores), 'skip': 0.0})
+    with live.private_domain() as environment, live.started(graph, environment) as running:
+        live.wait_all(running, ['bag_player', 'evaluator', 'bag_recorder'], TIMEOUT)
+    published = live.recorded_estimates(tmp_path / 'out')['fused_1']
+    assert live.differences(published, run.estimates['fused_1']) == []
+    offline_score = summarise('two_targets', graphs.open_bag(str(bag))[1], run, 0.0).outputs['fused_1']
+    assert json.loads(scores.read_text())['outputs']['fused_1']['rmse_m'] == offline_score.rmse_m
+
+
+def request_seq(message):
+    """The epoch of a message."""
+    return message.seq if isinstance(message, Request) else message.request_seq
+
+
+def dense(truth):
+    """The same walk, sampled a hundred times as often."""
+    stamps = np.arange(truth.stamps_ns[0], truth.stamps_ns[-1] + 1, 10_000_000)
+    positions = np.column_stack([np.interp(stamps, truth.stamps_ns, axis) for axis in truth.positions.T])
+    return truth._replace(stamps_ns=stamps, positions=positions, velocities=np.full_like(positions, np.nan))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import tempfile
+from collections import defaultdict
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -20,7 +21,7 @@ from wsn_tracking.sensing.values import EpochEnd, Range, Request, Rssi
 
 Files = Mapping[str, str | bytes]
 
-FEW = settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+FEW = settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 ODD = [b'', b'nan', b'-1', b'1e400', b'99999999999999999999', b'\n', b',', b';', b' ', b'\x00', b'\xff', b'#', b'x']
 BREAKS = st.lists(
     st.tuples(st.integers(0, 99), st.floats(0.0, 1.0), st.integers(0, 40), st.sampled_from(ODD)), min_size=1, max_size=4
@@ -48,12 +49,16 @@ def imported(kind: str, files: Files, tmp_path: Path, **options) -> Recording:
 
 def epochs_of(recording: Recording, target_id: int = 1) -> list[tuple[Request, list[Rssi | Range], EpochEnd]]:
     """Every epoch of a target: request, measurements, end; checks that they fit together."""
-    mine = [m for m in recording.messages if m.target_id == target_id]
+    of_epoch = defaultdict(list)
+    for m in recording.messages:
+        if m.target_id == target_id:
+            of_epoch[m.seq if isinstance(m, Request) else m.request_seq].append(m)
+    assert list(of_epoch) == list(range(len(of_epoch)))
     epochs = []
-    for k, request in enumerate(m for m in mine if isinstance(m, Request)):
-        assert request.seq == k
-        heard = [m for m in mine if isinstance(m, (Rssi, Range)) and m.request_seq == k]
-        (end,) = [m for m in mine if isinstance(m, EpochEnd) and m.request_seq == k]
+    for request, *heard, end in of_epoch.values():
+        assert isinstance(request, Request)
+        assert isinstance(end, EpochEnd)
+        assert all(isinstance(m, (Rssi, Range)) for m in heard)
         assert {m.stamp_ns for m in heard} <= {request.stamp_ns}
         assert list(zip(end.node_ids, end.seqs, strict=True)) == [(m.node_id, m.seq) for m in heard]
         epochs.append((request, heard, end))

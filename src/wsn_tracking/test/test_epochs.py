@@ -74,12 +74,11 @@ def interleaved(queues, rng, ahead=math.inf):
 @QUICK
 def test_epochs_do_not_depend_on_the_order_of_arrival(rows, kind, first, rng):
     stream = Stream(rows, kind, first=first)
-    assembler, out, given_ = EpochAssembler(NODES, lossless=True), [], 0
-    for message in interleaved(stream.queues, rng):
+    assembler, out = EpochAssembler(NODES, lossless=True), []
+    for count, message in enumerate(interleaved(stream.queues, rng), 1):
         give(assembler, message)
-        given_ += 1
         out += assembler.closed(0.0)
-        assert unaccounted(assembler, given_) == 0
+        assert unaccounted(assembler, count) == 0
     assert out == stream.epochs
     assert assembler.held == 0
     assert assembler.counters['used'] == sum(map(sum, rows))
@@ -430,7 +429,9 @@ def test_a_request_after_its_epoch_was_given_up_is_late_and_begins_no_run():
     assert (assembler.counters['renumbered'], assembler.runs, assembler.closed(99.0)) == (0, 0, [])
 
 
-@pytest.mark.parametrize('lacking', ['its request', 'the list of nodes [1, 2, 3]', 'the measurements (node, seq) [(1, 0)]'])
+@pytest.mark.parametrize(
+    'lacking', ['its request', 'the list of nodes [1, 2, 3]', 'the measurements (node, seq) [(1, 0)]']
+)
 def test_where_nothing_may_be_missing_a_loss_is_an_error_that_names_it(lacking):
     assembler = EpochAssembler(NODES, loss_timeout=1.0, lossless=True)
     give(assembler, Request(stamp(0), 1, 0))

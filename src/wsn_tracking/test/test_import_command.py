@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 from import_cases import folder
 
@@ -12,6 +13,7 @@ from wsn_tracking.bags.read import read
 from wsn_tracking.cli import main
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.models.anchors import make_anchors
+from wsn_tracking.sensing.channel import Channel, Quantity, Ranging, save_channel
 from wsn_tracking.sensing.recording import Recording
 from wsn_tracking.sensing.values import Request
 
@@ -83,3 +85,21 @@ def test_without_a_channel_ranges_are_taken_as_they_are(tmp_path):
     assert back.anchors.bias.tolist() == [0.0] * 4
     assert back.anchors.scale.tolist() == [1.0] * 4
     assert 'channel' not in back.metadata
+
+
+def test_a_channel_replaces_the_radios(tmp_path):
+    def known(*values):
+        column = np.array(values)
+        return Quantity(column, 0.1 * np.ones(column.size), column - 0.2, column + 0.2)
+
+    counts = np.array([9, 9])
+    ranging = Ranging(known(0.25, -0.5), known(1.0625, 0.9375), known(0.1, 0.1), counts, counts)
+    save_channel(tmp_path / 'radios.yaml', Channel(np.array([2, 4]), None, ranging, None, {'source': 'a test'}))
+    source = labyrinth(tmp_path / 'src')
+    (bag,) = import_set('labyrinth', source, tmp_path / 'bag', channel=tmp_path / 'radios.yaml')
+    back = read(bag)
+    assert back.anchors.bias.tolist() == [0.0, 0.25, 0.0, -0.5]
+    assert back.anchors.scale.tolist() == [1.0, 1.0625, 1.0, 0.9375]
+    assert back.metadata['channel'] == 'radios.yaml'
+    with pytest.raises(TrackingError, match='cannot be read'):
+        import_set('labyrinth', source, tmp_path / 'other', channel=tmp_path / 'nothing.yaml')

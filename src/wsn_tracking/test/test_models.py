@@ -7,7 +7,7 @@ from oracles import LOOP, covariances, properties, small_anchors
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.models import measurement
 from wsn_tracking.models.anchors import Anchors, check, make_anchors
-from wsn_tracking.models.draws import keyed
+from wsn_tracking.models.draws import Stream, keyed
 from wsn_tracking.models.motion import constant_velocity
 from wsn_tracking.models.noise import scaled_identity, white_acceleration
 from wsn_tracking.models.radio import MIN_RANGE, range_at, relative_range_std, rssi_at
@@ -133,6 +133,14 @@ def test_a_draw_does_not_depend_on_what_was_drawn_before():
     forward = {key: keyed(*key).random(3).tolist() for key in keys}
     backward = {key: keyed(*key).random(3).tolist() for key in reversed(keys)}
     assert forward == backward
+
+
+def test_a_stream_gives_each_epochs_draws_in_whatever_order():
+    for seed, who in [(0, 1), (7, 2**33 + 3), (2**63 + 1, 2**64 - 1), (-1, 5)]:
+        stream = Stream(seed, who)
+        for epoch in (3, 0, 3, 2**40, 1, 1):
+            np.testing.assert_array_equal(stream.at(epoch).random(9), keyed(seed, who, epoch).random(9))
+            assert stream.at(epoch).uniform(2.0, 12.0) == keyed(seed, who, epoch).uniform(2.0, 12.0)
 
 
 def test_seeds_drawers_and_epochs_have_streams_of_their_own():

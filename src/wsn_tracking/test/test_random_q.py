@@ -23,7 +23,13 @@ from wsn_tracking.trackers.estimate import Estimate, Kind, check_usable
 from wsn_tracking.trackers.estimator import EstimatorConfig, make_estimator
 from wsn_tracking.trackers.fusing import Fuser, FusionConfig, compared
 from wsn_tracking.trackers.random_q import LocalEstimator, keep_inside, process_root
-from wsn_tracking.trackers.random_q_config import NoiseConfig, RandomQConfig, StartConfig, UpdateConfig
+from wsn_tracking.trackers.random_q_config import (
+    NoiseConfig,
+    RandomQConfig,
+    ReacquireConfig,
+    StartConfig,
+    UpdateConfig,
+)
 from wsn_tracking.trackers.readings import MeasurementTable
 
 IDS = LOOP.anchors.ids.tolist()
@@ -383,6 +389,7 @@ def test_every_run_is_compared_with_the_mean_and_lci():
         (RandomQConfig(area=(0.0, 0.0, 1.0)), '`area` is'),
         (RandomQConfig(area=(0.0, 2.0, 1.0, 1.0)), 'expected x_min, y_min, x_max, y_max'),
         (RandomQConfig(start=StartConfig(mean=(1.0, 2.0))), 'four numbers each'),
+        (RandomQConfig(reacquire=ReacquireConfig(rejects=3)), 'set `robust.gate` as well'),
         (EstimatorConfig(peers=(1, 2, 2)), 'names an estimator twice'),
         (FusionConfig(rule='lci', feedback=True), 'feedback` needs a fused covariance'),
         (FusionConfig(lci_std=(1.0,)), '`fusion.lci_std` takes four numbers'),

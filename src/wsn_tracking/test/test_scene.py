@@ -1,5 +1,7 @@
 """What is held of a running graph, and how it is drawn."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from evaluation_cases import noisy_track
@@ -224,7 +226,7 @@ def test_age_fades_a_line_until_it_is_gone(live):
 def test_rings_stay_where_they_are_as_a_track_grows(live):
     _, _, live_track = live
     steps = [live_track.track_step(epochs) for epochs in range(1, 300)]
-    assert all(later % step == 0 for step, later in zip(steps, steps[1:], strict=False))
+    assert all(later % step == 0 for step, later in pairwise(steps))
     assert all(epochs / step <= 2 * live_track.PAST_ELLIPSES for epochs, step in enumerate(steps, 1))
 
 

@@ -3,18 +3,22 @@
 from __future__ import annotations
 
 import argparse
+import io
 import os
 import sys
 from collections.abc import Sequence
 
-from wsn_tracking.commands import calibrate, evaluate, import_data, info, plot, replay, simulate, watch
+from wsn_tracking.commands import calibrate, evaluate, import_data, info, plot, replay, simulate, sink, watch
 from wsn_tracking.errors import TrackingError
 
-COMMANDS = (replay, evaluate, plot, watch, info, simulate, import_data, calibrate)
+COMMANDS = (replay, evaluate, plot, watch, info, simulate, import_data, calibrate, sink)
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run one command; an error is one line and exit code 1, a wrong call exit code 2."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors='backslashreplace')  # a name that the terminal cannot show is no reason to fail
     options = _parser().parse_args(arguments)
     try:
         code = options.do(options)

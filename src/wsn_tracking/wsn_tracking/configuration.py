@@ -10,6 +10,7 @@ import difflib
 import os
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -84,6 +85,7 @@ class PlayerConfig(FeedConfig):
 
     bag: str = param('', 'bag to play: a rosbag2 folder or an .mcap file')
     namespace: str = param('', 'namespace in the bag, where it holds several')
+    target_id: int = param(-1, 'the one target whose messages are played; -1: all', 'id', -1, 65535)
 
 
 @dataclass(frozen=True)
@@ -226,10 +228,15 @@ def _flat(values: Mapping[str, Any], prefix: str = '') -> Iterator[tuple[str, An
             yield f'{prefix}{key}', value
 
 
+@cache
+def _known() -> frozenset[str]:
+    return frozenset(spec.name for kind in (*EXECUTABLES.values(), NodeConfig) for spec in specs(kind))
+
+
 def _check_known(name: str, where: str) -> None:
-    known = {spec.name for kind in (*EXECUTABLES.values(), NodeConfig) for spec in specs(kind)}
+    known = _known()
     if name in known or name == 'use_sim_time' or name.startswith('qos_overrides.'):
         return
-    near = difflib.get_close_matches(name, known, 1)
+    near = difflib.get_close_matches(name, sorted(known), 1)
     hint = f'did you mean `{near[0]}`?' if near else 'docs/parameters.md lists all'
     raise TrackingError(f'{where}: there is no parameter `{name}`; {hint}')

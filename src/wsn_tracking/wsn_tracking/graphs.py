@@ -58,6 +58,13 @@ class Source(NamedTuple):
         """x_min, y_min, x_max, y_max [m]; empty where the feed knows none."""
         return tuple(float(edge) for edge in self.metadata.get('area', '').split())
 
+    def of_target(self, target_id: int) -> Source:
+        """The feed of one target alone; -1: all of it."""
+        if target_id < 0:
+            return self
+        topics = (topic for topic in self.topics if truth_target(topic) in {None, target_id})
+        return self._replace(targets=(target_id,), topics=tuple(topics))
+
 
 class Plan(NamedTuple):
     """System A on one feed: the parameters of its sensing stage (none where ranges come as such) and estimators."""
@@ -175,16 +182,24 @@ def replay(
     """A bag through the live graph of system A; rate 0 is as fast as it goes."""
     source, _ = open_bag(bag, namespace)
     plan = plan_random_q(source, configuration, settings, target_id)
+    source = source.of_target(plan.target_id)
     feed = Process(
         'bag_player_node',
         'bag_player',
-        {'bag': str(Path(bag).resolve()), 'rate': rate, 'namespace': namespace or '', 'progress': progress},
+        {
+            'bag': str(Path(bag).resolve()),
+            'rate': rate,
+            'namespace': namespace or '',
+            'progress': progress,
+            'target_id': plan.target_id,
+        },
     )
     return random_q_graph(
         source,
         plan,
         feed,
         replay=True,
+        settings=settings,
         evaluator=evaluator or {},
         record=record,
         one_process_each=one_process_each,
@@ -215,6 +230,7 @@ def simulation(
         plan,
         feed,
         replay=False,
+        settings=settings,
         evaluator=evaluator or {},
         record={'output': str(Path(record).resolve())} if record else None,
         one_process_each=one_process_each,
@@ -228,6 +244,7 @@ def random_q_graph(
     feed: Process,
     *,
     replay: bool,
+    settings: Values | None = None,
     evaluator: Values | None = None,
     record: Values | None = None,
     one_process_each: bool = False,
@@ -235,25 +252,29 @@ def random_q_graph(
 ) -> tuple[Process, ...]:
     """Feed, sensing nodes (in one process, or one each), estimators, evaluator; a recorder and markers where asked for.
 
-    Both feeds wait for the graph, so no timeout of a live network applies; in replay, what is missing is an error.
+    Both feeds wait for the graph, so no timeout of a live network applies, unless `settings` say so; in replay, what is
+    missing is an error. Parameters of feed, evaluator and recorder come from the plan as well.
     """
-    timing = {'lossless': replay, 'loss_timeout': LOSS_TIMEOUT, 'fusion_timeout': FUSION_TIMEOUT}
+    patient = {'lossless': replay, 'loss_timeout': LOSS_TIMEOUT, 'fusion_timeout': FUSION_TIMEOUT}
+    timing = {name: (settings or {}).get(name, value) for name, value in patient.items()}
     processes = [_sensing(node, plan, timing) for node in _split(source, plan, one_process_each)]
     numbers = [values['id'] for values in plan.estimators]
     processes += [_estimator(values, numbers, timing) for values in plan.estimators]
     if evaluator is not None:
         processes.append(_evaluator(source, plan, [p.name for p in processes], evaluator))
     if record is not None:
-        processes.append(_recorder(source, record))
+        processes.append(_recorder(source, plan, record))
     window = tuple(f'estimate/fused_{number}' for number in numbers)
     parameters = {
+        **plan.estimators[0],
         **feed.parameters,
         'expected_nodes': [process.name for process in processes],
         'window_topics': list(window),
     }
     feed = feed._replace(parameters=parameters, takes=window, gives=('anchors', *source.topics))
     # who only looks on is neither waited for nor told whom to expect
-    onlookers = [Process('marker_node', 'markers', plan.estimators[0])] if markers else []
+    drawn = {**plan.estimators[0], 'outputs': list(plan.outputs)}
+    onlookers = [Process('marker_node', 'markers', drawn)] if markers else []
     return _matched([*processes, *onlookers, feed])
 
 
@@ -299,6 +320,7 @@ def _evaluator(source: Source, plan: Plan, reporting: Sequence[str], values: Val
         'evaluator_node',
         'evaluator',
         {
+            **plan.estimators[0],
             'outputs': list(plan.outputs),
             'title': source.title,
             'target_id': plan.target_id,
@@ -315,13 +337,14 @@ def _evaluator(source: Source, plan: Plan, reporting: Sequence[str], values: Val
     )
 
 
-def _recorder(source: Source, values: Values) -> Process:
+def _recorder(source: Source, plan: Plan, values: Values) -> Process:
     extra = tuple(topic for topic in values.get('extra_topics', ()) if topic)
     metadata = [f'{key}={value}' for key, value in source.metadata.items()]
     return Process(
         'bag_recorder_node',
         'bag_recorder',
         {
+            **plan.estimators[0],
             'entry_level': source.entry_level,
             'targets': sorted({*source.targets, *(truth_target(topic) for topic in source.topics)} - {None}),
             'metadata': metadata or [''],

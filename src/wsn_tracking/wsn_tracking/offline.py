@@ -6,7 +6,7 @@ from wsn_tracking import graphs
 from wsn_tracking.configuration import EstimatorNodeConfig, SensingNodeConfig, Values
 from wsn_tracking.evaluation.run import Progress, Run, Sensing, run_random_q, silent
 from wsn_tracking.parameters import build
-from wsn_tracking.sensing.recording import Recording
+from wsn_tracking.sensing.recording import Recording, of_target
 
 
 def offline(
@@ -24,4 +24,4 @@ def offline(
     if plan.sensing is not None:
         config = build(SensingNodeConfig, plan.sensing)
         sensing = Sensing(config.trigger, config.seed, config.channel)
-    return run_random_q(recording, sensing, estimators, plan.target_id, progress)
+    return run_random_q(of_target(recording, plan.target_id), sensing, estimators, plan.target_id, progress)

@@ -82,7 +82,8 @@ def _of_bag(path: Path, until: float | None, namespace: str | None) -> Found:
 
 def _readings(recording: Recording, until: float | None, path: Path) -> tuple[Readings, bool]:
     """Every usable measurement whose target's place is known, and whether they are ranges."""
-    heard = [m for m in recording.messages if isinstance(m, (Rssi, Range)) and usable(m) and m.target_id in recording.truth]
+    measured = [m for m in recording.messages if isinstance(m, (Rssi, Range)) and usable(m)]
+    heard = [m for m in measured if m.target_id in recording.truth]
     stamps = np.array([m.stamp_ns for m in heard], dtype=np.int64)
     first = min((m.stamp_ns for m in recording.messages if isinstance(m, (Request, Rssi, Range))), default=0)
     targets = np.array([m.target_id for m in heard])
@@ -107,4 +108,6 @@ def _readings(recording: Recording, until: float | None, path: Path) -> tuple[Re
 
 def _size(survey: Survey) -> dict[str, str]:
     known = survey.known
-    return {'places': str(int(known.any(axis=1).sum())), 'readings': f'{survey.counts[known].sum():.0f}'}
+    told = survey.counts[known]
+    readings = {'readings': f'{told.sum():.0f}'} if np.all(np.isfinite(told)) else {}
+    return {'places': str(int(known.any(axis=1).sum())), **readings}

@@ -45,9 +45,9 @@ def add_tracking(command: argparse.ArgumentParser, *, scores: bool = True) -> No
     named = ', '.join(configuration_names())
     command.add_argument('--trackers', choices=['random_q', 'all'], default='random_q', help='systems that track')
     command.add_argument('--config', default='', help=f'parameter file or name ({named}); default: what the bag names')
-    command.add_argument('--channel', metavar='FILE', default='', help='radios of the nodes, as `calibrate` found them')
+    command.add_argument('--channel', metavar='FILE', default='', help='radios as `calibrate` found them')
     command.add_argument('--set', action='append', default=[], metavar='NAME=VALUE', help='set one parameter')
-    command.add_argument('--target', type=int, default=-1, help='target id (default: the first in the bag)')
+    command.add_argument('--target', type=target, default=-1, metavar='ID', help='target (default: the first in the bag)')
     command.add_argument('--skip', type=seconds, default=5.0, help='seconds that are not scored (default: 5)')
     if not scores:
         return
@@ -80,6 +80,13 @@ def seed(text: str) -> int:
     """A seed of random draws."""
     if not text.isdecimal() or int(text) >= 2**63:
         raise argparse.ArgumentTypeError(f'{text!r} is no seed: expected an integer from 0 to 2^63 - 1')
+    return int(text)
+
+
+def target(text: str) -> int:
+    """A target id."""
+    if not text.isdecimal() or int(text) > 65535:
+        raise argparse.ArgumentTypeError(f'{text!r} is no target: expected an id from 0 to 65535')
     return int(text)
 
 

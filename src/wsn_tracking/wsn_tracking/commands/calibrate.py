@@ -10,6 +10,8 @@ from wsn_tracking.commands.base import Commands, add_command, seconds
 if TYPE_CHECKING:
     from wsn_tracking.sensing.channel import Channel, Quantity
 
+TITLES = {'p1_dbm': 'P1 dBm', 'n': 'n', 'sigma_db': 'sigma dB', 'bias': 'bias m', 'scale': 'scale', 'sigma': 'sigma m'}
+
 
 def add(commands: Commands) -> None:
     """Describe the command."""
@@ -53,8 +55,7 @@ def _print_table(channel: Channel) -> None:
     """A line a node: value and half of its 95 % interval."""
     found = channel.path_loss or channel.ranging
     assert found is not None
-    names = {'p1_dbm': 'P1 dBm', 'n': 'n', 'sigma_db': 'sigma dB', 'bias': 'bias m', 'scale': 'scale', 'sigma': 'sigma m'}
-    columns: list[tuple[str, Quantity]] = [(names[k], v) for k, v in found._asdict().items() if k in names]
+    columns: list[tuple[str, Quantity]] = [(TITLES[k], v) for k, v in found._asdict().items() if k in TITLES]
     print('node  ' + ''.join(f'{title:>18}' for title, _ in columns) + '  places  readings')
     for row, node in enumerate(channel.ids.tolist()):
         cells = [f'{q.value[row]:9.3f} ± {0.5 * (q.high[row] - q.low[row]):6.3f}' for _, q in columns]

@@ -20,7 +20,7 @@ from wsn_tracking.models.noise import white_acceleration
 from wsn_tracking.models.radio import rssi_at
 from wsn_tracking.sensing.trigger import SENT, Trigger, Verdicts
 from wsn_tracking.sensing.values import Reason
-from wsn_tracking.simulation.scenarios import Scenario
+from wsn_tracking.simulation.scenario import Scenario
 from wsn_tracking.simulation.world import noisy_ranges
 from wsn_tracking.trackers.random_q import random_q_step
 from wsn_tracking.trackers.random_q_config import RandomQConfig

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 from wsn_tracking.evaluation.score import SKIP_S, score
@@ -15,7 +15,8 @@ from wsn_tracking.sensing.stage import SensingStage, TriggerConfig
 from wsn_tracking.sensing.values import Epoch, EpochEnd, Request, TriggerReport
 from wsn_tracking.trackers.estimate import Estimate
 from wsn_tracking.trackers.estimator import EstimatorConfig, make_estimator
-from wsn_tracking.trackers.fusing import compared
+from wsn_tracking.trackers.fusing import Fuser, compared
+from wsn_tracking.trackers.random_q import LocalEstimator
 
 Progress = Callable[[Iterator[Epoch], int], Iterator[Epoch]]
 
@@ -85,7 +86,7 @@ def run_random_q(
     if sensing is not None:
         radios, _ = calibrated(sensing.channel, recording.anchors)
         stage = SensingStage(sensing.trigger, radios, seed=sensing.seed)
-    parts = [(config, *make_estimator(config, recording.anchors)) for config in estimators]
+    parts = [_Part(config, *make_estimator(config, recording.anchors)) for config in estimators]
     others = compared(estimators[0].fusion) if len(estimators) > 1 else ()
     estimates: dict[str, list[Estimate]] = {}
     reports: list[TriggerReport] = []
@@ -107,9 +108,7 @@ def run_random_q(
         locals_ = [
             local.step(_heard(config, ranged if config.input == 'range' else epoch)) for config, local, _ in parts
         ]
-        fused = [
-            fuser.step([e for e in locals_ if e.contributors[0] in config.all_peers]) for config, _, fuser in parts
-        ]
+        fused = _fused(parts, locals_)
         for (config, local, _), estimate in zip(parts, fused, strict=True):
             if config.fusion.feedback:
                 local.feed_back(estimate)
@@ -120,6 +119,26 @@ def run_random_q(
         reports = [m for m in recording.messages if isinstance(m, TriggerReport) and m.target_id in targets]
     dropped = {reason: n for reason, n in counters.items() if n and reason not in NO_LOSS}
     return Run({name: tuple(e) for name, e in estimates.items()}, tuple(reports), count, start_ns, dropped)
+
+
+class _Part(NamedTuple):
+    """One estimator."""
+
+    config: EstimatorConfig
+    local: LocalEstimator
+    fuser: Fuser
+
+
+def _fused(parts: Sequence[_Part], locals_: Sequence[Estimate]) -> list[Estimate]:
+    """What every estimator makes of its peers' local estimates; what several would compute alike is computed once."""
+    done: dict[Hashable, Estimate] = {}
+    fused = []
+    for config, _, fuser in parts:
+        alike = (config.fusion, config.all_peers, config.area)
+        if alike not in done:
+            done[alike] = fuser.step([e for e in locals_ if e.contributors[0] in config.all_peers])
+        fused.append(done[alike]._replace(source=fuser.source))
+    return fused
 
 
 def _heard(config: EstimatorConfig, epoch: Epoch) -> Epoch:

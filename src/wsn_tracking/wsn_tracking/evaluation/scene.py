@@ -117,6 +117,11 @@ class Scene:
         return states
 
     @property
+    def reported_ns(self) -> int:
+        """Stamp of the latest report [ns]; 0 before the first."""
+        return max((report.stamp_ns for report in self._reported.values()), default=0)
+
+    @property
     def newest(self) -> Estimate | None:
         """The latest estimate of all."""
         return max((held[-1] for held in self._estimates.values() if held), key=lambda e: e.stamp_ns, default=None)

@@ -12,11 +12,12 @@ import numpy as np
 
 from wsn_tracking.filters.belief import Belief
 from wsn_tracking.filters.cubature import Regression
-from wsn_tracking.filters.linalg import transpose
+from wsn_tracking.filters.linalg import matvec, transpose
 from wsn_tracking.models.anchors import Floats, Mask
 
 TRUST = 1e-5  # least share of a variance that what came before leaves unexplained: rounding grows to 1e-16 over it
 WRITTEN_OUT = 64  # matrices from which on steps over all of them at once are faster than LAPACK one by one
+AMPLE = 1e12  # [m^2] more than any variance
 
 
 class Root(NamedTuple):
@@ -26,25 +27,24 @@ class Root(NamedTuple):
     trusted: Mask
 
 
-def cholesky(A: Floats, trusting: int | None = None) -> Root:
-    """L with L L' = A (..., n, n), judged by its first `trusting` pivots (all)."""
+def cholesky(A: Floats, columns: int) -> Root:
+    """The first columns of L with L L' = A (..., n, n); of the others nothing is promised. A's upper half is not read."""
     if A.ndim > 2 and A[..., 0, 0].size >= WRITTEN_OUT:
-        L = _written_out(A)
+        L = _written_out(A, columns)
     else:
         try:
             L = np.linalg.cholesky(A)
         except np.linalg.LinAlgError:
             L = np.full(A.shape, np.nan)
-    pivots, whole = L.diagonal(0, -2, -1)[..., :trusting], A.diagonal(0, -2, -1)[..., :trusting]
-    return Root(L, (pivots * pivots > TRUST * whole).all(axis=-1))
+    pivots, variances = (X.diagonal(0, -2, -1)[..., :columns] for X in (L, A))
+    return Root(L, np.logical_and.reduce(pivots * pivots > TRUST * variances, axis=-1))
 
 
-def _written_out(A: Floats) -> Floats:
+def _written_out(A: Floats, columns: int) -> Floats:
     """The same, column after column, on contiguous vectors over the batch."""
-    n = A.shape[-1]
     L = np.moveaxis(A, (-2, -1), (0, 1)).copy()
     with np.errstate(invalid='ignore', divide='ignore'):
-        for j in range(n):
+        for j in range(columns):
             for k in range(j):
                 L[j:, j] -= L[j:, k] * L[j, k]
             L[j, j] = np.sqrt(L[j, j])
@@ -55,44 +55,38 @@ def _written_out(A: Floats) -> Floats:
 
 def predicted_root(propagated: Floats, chol_Q: Floats) -> Root:
     """Root of A A' + Q for A = F chol_P (..., n, n)."""
-    return cholesky(propagated @ transpose(propagated) + chol_Q @ transpose(chol_Q))
+    return cholesky(propagated @ transpose(propagated) + chol_Q @ transpose(chol_Q), propagated.shape[-1])
 
 
 def condition(prior: Belief, z: Floats, missing: Mask, r: Regression, root_R: Floats) -> tuple[Belief, Mask]:
     """The posterior in information form over z = z_hat + O u + E w + v, with u, w ~ N(0, I) and v ~ N(0, R) diagonal.
 
-    J = I + [E O]' R^-1 [E O] is the information of (w, u), b = [E O]' R^-1 (z - z_hat). The last block of its
-    Cholesky factor is a root of the information of u alone: with u in reverse order, its inverse transposed is lower
-    triangular, hence chol_P+ = chol_P L_uu^-T and m+ = m + chol_P+ (L^-1 b)_u. The row b' below J gives (L^-1 b)'
-    in the same factor; what stands at its end only has to keep that positive. A missing row has no information.
+    J = I + [E O]' R^-1 [E O] is the information of (w, u), b = [E O]' R^-1 (z - z_hat). With u in reverse order, the
+    last block of its Cholesky factor, inverted and transposed, is lower triangular and a root of the covariance of u:
+    chol_P+ = chol_P L_uu^-T and m+ = m + chol_P+ (L^-1 b)_u. Both stand in the factor of [[J, .], [b', .], [chol_P, .]]
+    below that of J. A missing row has no information. Columns of chol_P that no reading looks at stay as they are.
     """
-    d = r.O.shape[-1]
+    d, e, n = r.O.shape[-1], r.E.shape[-1], prior.m.shape[-1]
     with np.errstate(divide='ignore'):
         information = np.where(missing, 0.0, 1.0 / (root_R * root_R))
     innovation = np.where(missing, 0.0, z - r.z_hat)
-    odd = transpose(r.O)[..., ::-1, :]
-    shape = (*innovation.shape[:-1], *odd.shape[-2:])  # z may have axes that the belief lacks
-    odd, even = (rows if rows.shape == shape else np.broadcast_to(rows, shape) for rows in (odd, transpose(r.E)))
+    odd, even, batch = transpose(r.O)[..., ::-1, :], transpose(r.E), innovation.shape[:-1]
+    if batch != odd.shape[:-2]:  # z may have axes that the belief lacks
+        odd, even = (np.broadcast_to(rows, (*batch, *rows.shape[-2:])) for rows in (odd, even))
     rows = np.concatenate([even, odd, innovation[..., None, :]], axis=-2)
-    J = (rows * information[..., None, :]) @ transpose(rows) + _eye(rows.shape[-2])
-    L, trusted = cholesky(J, trusting=-1)
-    return _posterior(prior, L[..., -d - 1 :, -d - 1 :], d), trusted
-
-
-def _posterior(prior: Belief, L: Floats, d: int) -> Belief:
-    """Solve for the first d columns of the root, last one first; the others, which no reading looks at, stay."""
-    m, S = prior
-    batch = L.shape[:-2]
-    root = np.array(np.broadcast_to(S, (*batch, *S.shape[-2:])) if S.ndim < L.ndim or S.shape[:-2] != batch else S)
-    for i in range(d):
-        column = root[..., d - 1 - i]
-        for j in range(i):
-            column -= root[..., d - 1 - j] * L[..., i, j, None]
-        column /= L[..., i, i, None]
-        m = m + column * L[..., d, i, None]
-    return Belief(m, root)
+    J = np.empty((*batch, e + d + 1 + n, e + d + 1 + n))
+    J[...] = _below(e + d + 1, n)
+    J[..., : e + d + 1, : e + d + 1] += (rows * information[..., None, :]) @ transpose(rows)
+    J[..., e + d + 1 :, e : e + d] = prior.chol_P[..., :d][..., ::-1]
+    L, trusted = cholesky(J, e + d)
+    seen, whitened = L[..., e + d + 1 :, e : e + d], L[..., e + d, e : e + d]
+    root = np.empty((*batch, n, n))
+    root[...] = prior.chol_P
+    root[..., :d] = seen[..., ::-1]
+    return Belief(prior.m + matvec(seen, whitened), root), trusted
 
 
 @lru_cache
-def _eye(n: int) -> Floats:
-    return np.eye(n)
+def _below(informed: int, n: int) -> Floats:
+    """What is on the diagonal: the information of the prior, and what keeps the rest of the matrix positive."""
+    return np.diag([1.0] * informed + [AMPLE] * n)

@@ -74,7 +74,7 @@ def _blurred(log_p: Floats, x: Floats, y: Floats, way: float) -> Floats:
     if way <= 0.0:
         return log_p
     p = np.exp(log_p - log_p.max())
-    return np.log(np.maximum(_kernel(x, way) @ p @ _kernel(y, way).T, TINY))
+    return np.asarray(np.log(np.maximum(_kernel(x, way) @ p @ _kernel(y, way).T, TINY)))
 
 
 def _kernel(x: Floats, way: float) -> Floats:

@@ -25,7 +25,7 @@ class Fused(NamedTuple):
 def information(P: Floats) -> Floats:
     """P^-1 (..., n, n) through a Cholesky factor, exactly symmetric."""
     L = np.linalg.cholesky(P)
-    L_inv = np.linalg.solve(L, np.broadcast_to(np.eye(P.shape[-1]), P.shape))
+    L_inv = np.linalg.solve(L, np.eye(P.shape[-1]).reshape((1,) * (P.ndim - 2) + P.shape[-2:]))
     return transpose(L_inv) @ L_inv
 
 
@@ -34,7 +34,7 @@ def trace_weights(P: Floats) -> Floats:
 
     Seed 000, eq. 23, whose print does not sum to one.
     """
-    w = 1.0 / np.trace(P, axis1=-2, axis2=-1)
+    w = 1.0 / P.trace(axis1=-2, axis2=-1)
     return np.asarray(w / w.sum(axis=-1, keepdims=True))
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -9,12 +11,23 @@ from wsn_tracking.models.anchors import Floats
 
 STEPS = 60
 HALVINGS = 30
-TOLERANCE = 1e-12  # of the gradient's spread, relative to the objective
+TOLERANCE = 1e-12  # share of the objective that a last step gains: what is left after it is the square of that
+NOISE = 1e-15  # rounding of the objective, relative
+
+Mask = NDArray[np.bool_]
+
+
+class Expansion(NamedTuple):
+    """The objective about a point, to second order."""
+
+    f: Floats  # (..., 1) tr P with P = (sum_j w_j Y_j)^-1
+    g: Floats  # (..., J) df / dw_j = -tr P Y_j P
+    H: Floats  # (..., J, J) d2f / dw_j dw_k = 2 tr P Y_j P Y_k P
 
 
 def objective(Y: Floats, w: Floats) -> Floats:
     """tr (sum_j w_j Y_j)^-1, (...); Y (..., J, n, n), w (..., J)."""
-    return np.asarray(np.trace(_inverse(Y, w), axis1=-2, axis2=-1))
+    return np.asarray(_inverse(Y, w).trace(axis1=-2, axis2=-1))
 
 
 def minimise_trace(Y: Floats, w: Floats) -> Floats:
@@ -23,59 +36,86 @@ def minimise_trace(Y: Floats, w: Floats) -> Floats:
     The objective is convex. A weight at zero is held there while its multiplier is not negative; the rest
     take a Newton step in the plane of sum zero, shortened to stay in the simplex and to descend.
     """
+    here = expand(Y, w)
+    done = np.zeros(here.f.shape, dtype=np.bool_)
     for _ in range(STEPS):
-        P = _inverse(Y, w)
-        YP = Y @ P[..., None, :, :]
-        PYP = P[..., None, :, :] @ YP
-        f = np.trace(P, axis1=-2, axis2=-1)[..., None]
-        gradient = -np.trace(PYP, axis1=-2, axis2=-1)
-        # d2 tr P / dw_j dw_k = 2 tr(P Y_j P Y_k P)
-        hessian = 2.0 * np.einsum('...jab,...kba->...jk', PYP, YP)
-        centred = gradient - (w * gradient).sum(axis=-1, keepdims=True)
-        free = (w > 0.0) | (centred < 0.0)
-        residual = np.where(free, np.abs(centred), 0.0).max(axis=-1, keepdims=True)
-        done = residual <= TOLERANCE * f
-        if np.all(done):
-            break
-        for _ in range(w.shape[-1]):
-            step = np.where(done, 0.0, _newton(hessian, gradient, free))
-            blocked = free & (w == 0.0) & (step < 0.0)
-            if not np.any(blocked):
-                break
-            free &= ~blocked
-        w = _descend(Y, w, np.where(free, step, 0.0), f)
+        step = np.where(done, 0.0, _direction(here, w))
+        gain = -(step * here.g).sum(axis=-1, keepdims=True)
+        last = gain <= TOLERANCE * here.f
+        if last.all():
+            return _moved(w, step, _limit(w, step))
+        w, here, stuck = _descend(Y, w, here, step, last)
+        done |= last | stuck
     return w
 
 
-def _newton(H: Floats, g: Floats, free: NDArray[np.bool_]) -> Floats:
+def expand(Y: Floats, w: Floats) -> Expansion:
+    """The objective, its gradient and its Hessian at w."""
+    P = _inverse(Y, w)
+    PY = P[..., None, :, :] @ Y
+    PYP = PY @ P[..., None, :, :]
+    flat = (*PY.shape[:-2], PY.shape[-1] ** 2)
+    H = 2.0 * PYP.reshape(flat) @ PY.reshape(flat).swapaxes(-1, -2)
+    return Expansion(P.trace(axis1=-2, axis2=-1)[..., None], -PYP.trace(axis1=-2, axis2=-1), H)
+
+
+def _direction(here: Expansion, w: Floats) -> Floats:
+    """The Newton step of the weights that are free to move, zero for the others."""
+    above = here.g - (w * here.g).sum(axis=-1, keepdims=True)
+    free = (w > 0.0) | (above < 0.0)
+    step = _newton(here, free)
+    for _ in range(w.shape[-1]):
+        blocked = (w == 0.0) & (step < 0.0)
+        if not blocked.any():
+            break
+        free &= ~blocked
+        step = _newton(here, free)
+    return step
+
+
+def _newton(here: Expansion, free: Mask) -> Floats:
     """Step of the free weights that keeps their sum: solve [[H, 1], [1', 0]] [s, l] = [-g, 0]."""
-    J = g.shape[-1]
-    scale = np.trace(H, axis1=-2, axis2=-1)[..., None, None] / J
-    both = free[..., :, None] & free[..., None, :]
-    A = np.zeros((*g.shape[:-1], J + 1, J + 1))
+    J = free.shape[-1]
+    scale = here.H.trace(axis1=-2, axis2=-1)[..., None] / J
+    A = np.zeros((*free.shape[:-1], J + 1, J + 1))
     # a whiff of the identity: estimates that are equal leave H singular, and any split of their weight is right
-    A[..., :J, :J] = np.where(both, H / scale, 0.0) + np.where(free[..., None], 1e-12, 1.0) * np.eye(J)
+    A[..., :J, :J] = np.where(free[..., :, None] & free[..., None, :], here.H / scale[..., None], 0.0)
+    A[..., :J, :J] += np.where(free, 1e-12, 1.0)[..., None] * np.eye(J)
     A[..., :J, J] = A[..., J, :J] = free
-    b = np.concatenate([np.where(free, -g, 0.0) / scale[..., 0], np.zeros((*g.shape[:-1], 1))], axis=-1)
-    return np.asarray(np.linalg.solve(A, b[..., None])[..., :J, 0])
+    b = np.zeros((*free.shape[:-1], J + 1, 1))
+    b[..., :J, 0] = np.where(free, here.g / -scale, 0.0)
+    return np.where(free, np.linalg.solve(A, b)[..., :J, 0], 0.0)
 
 
-def _descend(Y: Floats, w: Floats, step: Floats, f: Floats) -> Floats:
+def _descend(
+    Y: Floats, w: Floats, here: Expansion, step: Floats, last: Mask
+) -> tuple[Floats, Expansion, Mask]:
     """The longest of the halved steps, cut at the border of the simplex, that does not raise the objective."""
-    with np.errstate(divide='ignore', invalid='ignore'):
-        limit = np.where(step < 0.0, -w / step, np.inf).min(axis=-1, keepdims=True)
-    length = np.minimum(1.0, limit)
+    length = _limit(w, step)
     for _ in range(HALVINGS):
-        moved = np.maximum(w + length * step, 0.0)
-        moved = np.where(moved < 1e-15, 0.0, moved)
-        moved /= moved.sum(axis=-1, keepdims=True)
-        worse = objective(Y, moved)[..., None] > f * (1.0 + 1e-15)
-        if not np.any(worse):
-            return moved
+        moved = _moved(w, step, length)
+        there = expand(Y, moved)
+        worse = (there.f > here.f * (1.0 + NOISE)) & ~last
+        if not worse.any():
+            return moved, there, worse
         length = np.where(worse, length / 2.0, length)
-    return np.where(worse, w, moved)
+    moved = np.where(worse, w, moved)
+    return moved, expand(Y, moved), worse
+
+
+def _limit(w: Floats, step: Floats) -> Floats:
+    """How far, at most one step, the simplex reaches, (..., 1)."""
+    with np.errstate(divide='ignore', invalid='ignore'):
+        return np.minimum(np.where(step < 0.0, -w / step, 1.0).min(axis=-1, keepdims=True), 1.0)
+
+
+def _moved(w: Floats, step: Floats, length: Floats) -> Floats:
+    moved = w + length * step
+    moved = np.where(moved < NOISE, 0.0, moved)
+    return np.asarray(moved / moved.sum(axis=-1, keepdims=True))
 
 
 def _inverse(Y: Floats, w: Floats) -> Floats:
-    total = (w[..., None, None] * Y).sum(axis=-3)
+    flat = Y.reshape(*Y.shape[:-2], Y.shape[-1] ** 2)
+    total = (w[..., None, :] @ flat)[..., 0, :].reshape(*w.shape[:-1], *Y.shape[-2:])
     return np.linalg.solve(total, np.broadcast_to(np.eye(Y.shape[-1]), total.shape))

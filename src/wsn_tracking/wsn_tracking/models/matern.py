@@ -1,4 +1,4 @@
-"""The Matérn 3/2 covariance of a random field, whose draws have one derivative: rough like a room, smooth for a filter."""
+"""The Matérn 3/2 covariance of a random field: rough like a room, with the one derivative that a filter needs."""
 
 from __future__ import annotations
 

@@ -60,8 +60,9 @@ def rssi_function(anchors: Anchors, height: float = 0.0) -> Function:
 
 
 def mapped_rssi_function(anchors: Anchors, radio_map: RadioMap, height: float = 0.0) -> Function:
-    """h(x) = signal strength [dBm] by path loss and by the map about it, whose columns are those of the anchors."""
-    h = rssi_function(anchors, height)
+    """h(x) = signal strength [dBm] by a map whose columns are the anchors': its path loss and what is about that."""
+    ones = np.ones(anchors.ids.size)
+    h = rssi_function(anchors._replace(p1_dbm=radio_map.p1_dbm, n=radio_map.n, d0=ones), height)
     return lambda x: h(x) + residual_mean(radio_map, x)
 
 

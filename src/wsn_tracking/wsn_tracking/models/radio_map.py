@@ -1,4 +1,4 @@
-"""A radio map: how far each node's signal strength is from its path loss, place by place.
+"""A radio map: each node's path loss, and how far its signal strength is from that, place by place.
 
 Per node a Gaussian process over the plane (Rasmussen and Williams 2006, chapter 2) that has seen the residuals of a
 survey. Amplitude and length are shared, so that one vector of correlations serves all nodes.
@@ -13,8 +13,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from wsn_tracking.models.anchors import Anchors, Floats
 from wsn_tracking.models.matern import matern
+from wsn_tracking.models.radio import rssi_at
 
-STEPS = 4.0  # lattice steps a length: the standard deviation between them is right to about 2 % of the amplitude
+STEPS = 4.0  # lattice steps a length: between them the standard deviation is right to a few percent of the amplitude
 BEYOND = 2.0  # lengths by which the lattice goes beyond the survey, where it knows nothing any more
 MOST_STEPS = 200  # along one axis
 
@@ -28,9 +29,11 @@ class Lattice(NamedTuple):
 
 
 class RadioMap(NamedTuple):
-    """What a survey tells beyond path loss, one column a node."""
+    """What a survey tells of signal strengths, one column a node."""
 
     ids: NDArray[np.int64]  # (N,) ascending
+    p1_dbm: Floats  # (N,) its path loss, at 1 m
+    n: Floats  # (N,)
     points: Floats  # (K, 2) [m] of the survey
     residual_db: Floats  # (K, N) surveyed signal strength minus path loss; NaN: not surveyed
     noise_db: Floats  # (K, N) standard deviation with which each tells the field
@@ -44,6 +47,8 @@ class RadioMap(NamedTuple):
 
 def make_map(
     ids: ArrayLike,
+    p1_dbm: ArrayLike,
+    n: ArrayLike,
     points: ArrayLike,
     residual_db: ArrayLike,
     noise_db: ArrayLike,
@@ -52,12 +57,13 @@ def make_map(
     place_db: ArrayLike,
     packet_db: ArrayLike,
 ) -> RadioMap:
-    """The map of a survey: fields as in RadioMap, `place_db` and `packet_db` (N,) or scalars; ids ascending."""
+    """The map of a survey: fields as in RadioMap, those of (N,) may be scalars; ids ascending."""
     ids = np.asarray(ids, dtype=np.int64)
     points = np.asarray(points, dtype=np.float64)
     y = np.asarray(residual_db, dtype=np.float64)
     noise = np.broadcast_to(np.asarray(noise_db, dtype=np.float64), y.shape)
-    within = [np.broadcast_to(np.asarray(each, dtype=np.float64), ids.shape).copy() for each in (place_db, packet_db)]
+    columns = (np.asarray(each, dtype=np.float64) for each in (p1_dbm, n, place_db, packet_db))
+    p1, exponent, place, packet = (np.broadcast_to(column, ids.shape).copy() for column in columns)
     known = np.isfinite(y)
     # A value that is missing becomes a row of its own, without a link to the field: it tells nothing.
     links = (known.T[:, :, None] & known.T[:, None, :]) * amplitude_db**2
@@ -66,7 +72,9 @@ def make_map(
     whitened = np.linalg.solve(L, np.where(known, y, 0.0).T[..., None])
     weights = amplitude_db**2 * np.linalg.solve(np.swapaxes(L, -1, -2), whitened)[..., 0].T
     lattice = _lattice(points, known, amplitude_db, length, L)
-    return RadioMap(ids, points, y, noise, float(amplitude_db), float(length), *within, weights, lattice)
+    return RadioMap(
+        ids, p1, exponent, points, y, noise, float(amplitude_db), float(length), place, packet, weights, lattice
+    )
 
 
 def _lattice(points: Floats, known: NDArray[np.bool_], amplitude: float, length: float, L: Floats) -> Lattice:
@@ -84,12 +92,14 @@ def _lattice(points: Floats, known: NDArray[np.bool_], amplitude: float, length:
 
 
 def aligned(radio_map: RadioMap, anchors: Anchors) -> RadioMap:
-    """The map with the columns of a table of nodes; nodes that it lacks have path loss alone, with their own sigma_db."""
+    """The map with the columns of a table of nodes; those that it lacks have their own path loss and sigma_db."""
     place = {node: column for column, node in enumerate(radio_map.ids.tolist())}
     column = np.array([place.get(node, -1) for node in anchors.ids.tolist()])
     there = column >= 0
     return radio_map._replace(
         ids=anchors.ids,
+        p1_dbm=np.where(there, radio_map.p1_dbm[column], rssi_at(anchors, 1.0)),
+        n=np.where(there, radio_map.n[column], anchors.n),
         residual_db=np.where(there, radio_map.residual_db[:, column], np.nan),
         noise_db=np.where(there, radio_map.noise_db[:, column], 1.0),
         place_db=np.where(there, radio_map.place_db[column], 0.0),

@@ -8,7 +8,7 @@ from wsn_tracking.configuration import PlayerConfig
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.nodes.base import run
 from wsn_tracking.nodes.feed import FeedNode
-from wsn_tracking.sensing.recording import Recording
+from wsn_tracking.sensing.recording import Recording, of_target
 
 
 class BagPlayerNode(FeedNode[PlayerConfig]):
@@ -21,7 +21,8 @@ class BagPlayerNode(FeedNode[PlayerConfig]):
         """The bag, with an EpochEnd for every epoch."""
         if not self.config.bag:
             raise TrackingError('parameter `bag` is empty: expected a bag to play, e.g. -p bag:=bags/a_loop')
-        return with_epoch_ends(read(self.config.bag, self.config.namespace or None))
+        recording = with_epoch_ends(read(self.config.bag, self.config.namespace or None))
+        return of_target(recording, self.config.target_id)
 
 
 def main() -> None:

@@ -59,7 +59,8 @@ class BagRecorderNode(TrackingNode[RecorderConfig]):
             if topic == 'epoch_end' and deserialize_message(cdr, msg.EpochEnd).final:
                 self._ended = True
 
-        profile = qos.LATCHED_LAST if topic == 'anchors' else qos.MEASUREMENTS
+        profile = qos.TRUTH if topic.startswith('truth/') else qos.MEASUREMENTS
+        profile = qos.LATCHED_LAST if topic == 'anchors' else profile
         subscription = self.create_subscription(CLASSES[type_name], topic, callback, profile, raw=True)
         self._matching.subscription(subscription, topic)
 

@@ -55,6 +55,7 @@ class TrackingNode(Node, Generic[Config]):
         self.anchors: Anchors | None = None
         self.malformed: Counter[str] = Counter()
         self._last_input: dict[str, float] = {}
+        self.arrivals = 0  # messages that have come in
         self.create_timer(1.0, self.report)
         self._ready_timer = self.create_timer(0.05, self._check_ready)
 
@@ -73,6 +74,7 @@ class TrackingNode(Node, Generic[Config]):
         def callback(message: Any) -> None:
             now = time.monotonic()
             self._last_input[topic] = now
+            self.arrivals += 1
             try:
                 arrived = value(message)
             except TrackingError as error:

@@ -27,6 +27,8 @@ from wsn_tracking.sensing.values import EpochEnd, TriggerReport
 from wsn_tracking.trackers.estimate import Estimate
 from wsn_tracking.trackers.fusing import compared
 
+QUIET = 4  # looks in a row without a message before the end is believed
+
 
 class EvaluatorNode(TrackingNode[EvaluatorConfig]):
     """Collects one target's truth and estimates; ends with the feed."""
@@ -43,11 +45,12 @@ class EvaluatorNode(TrackingNode[EvaluatorConfig]):
         self._final: EpochEnd | None = None
         self._last = time.monotonic()
         self._told: dict[str, dict[str, str]] = {}
+        self._seen, self._quiet = 0, 0
         for name in self._estimates:
             self._take_output(name)
         self.take(msg.EpochEnd, 'epoch_end', convert.epoch_end_value, self._end, qos.MEASUREMENTS)
         self.take(msg.TriggerReport, 'trigger_report', convert.report_value, self._reported, qos.MEASUREMENTS)
-        self.take(Odometry, f'truth/target_{config.target_id}', convert.truth_position, self._true, qos.MEASUREMENTS)
+        self.take(Odometry, f'truth/target_{config.target_id}', convert.truth_position, self._true, qos.TRUTH)
         self.create_subscription(DiagnosticArray, '/diagnostics', self._diagnosed, qos.ESTIMATES)
         self.take_anchors()
         self.create_timer(0.05, self._finish)
@@ -84,8 +87,13 @@ class EvaluatorNode(TrackingNode[EvaluatorConfig]):
             self._told[name] = {pair.key: pair.value for pair in status.values}
 
     def _finish(self) -> None:
-        """The feed has ended: wait for the last outputs and counts, at most `output_timeout`, and tell."""
-        if self._final is None:
+        """The feed has ended: wait for the last outputs and counts, at most `output_timeout`, and tell.
+
+        Quiet is measured in looks at the queues, not in time: a process that was held up has not looked.
+        """
+        self._quiet = self._quiet + 1 if self.arrivals == self._seen else 0
+        self._seen = self.arrivals
+        if self._final is None or self._quiet < QUIET:
             return
         missing = [name for name, e in self._estimates.items() if not e or e[-1].request_seq != self._final.request_seq]
         untold = [

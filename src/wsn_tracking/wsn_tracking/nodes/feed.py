@@ -73,7 +73,7 @@ class FeedNode(TrackingNode[Config]):
 
     def _publisher(self, topic: str) -> Any:
         kind = Odometry if topic.startswith('truth/') else TYPES[topic]
-        return self.give(kind, topic, qos.MEASUREMENTS)
+        return self.give(kind, topic, qos.TRUTH if kind is Odometry else qos.MEASUREMENTS)
 
     def _heard_ready(self, message: String) -> None:
         self._awaited.discard(message.data)

@@ -46,15 +46,15 @@ def anchor_markers(anchors: Anchors, size: float) -> MarkerArray:
 def scene_markers(scene: Scene, colors: dict[str, str], size: float, height: float) -> MarkerArray:
     """The latest epochs: nodes by what they did, every output's track, ellipse and place, the truth.
 
-    colors: of each output, extended here in the order of appearance; height [m] at which estimates are drawn.
+    Each marker has the stamp of the newest thing in it. colors: of each output, extended here in the order of
+    appearance; height [m] at which estimates are drawn.
     """
-    newest = scene.newest
-    head = header(0 if newest is None else newest.stamp_ns)
-    markers = [*_nodes(scene, head, size)]
+    markers = _nodes(scene, size)
     for track in scene.tracks:
         color = colors.setdefault(track.name, COLOURS[len(colors) % len(COLOURS)])
-        markers += _track(track, head, color, size, height)
+        markers += _track(track, color, size, height)
     for trail in scene.trails:
+        head = header(int(trail.stamps_ns[-1]))
         line = _marker(head, 'truth', trail.target_id, Marker.LINE_STRIP, INK, (0.35 * size, 0.0, 0.0))
         line.points = _points(trail.positions, height)
         place = _marker(head, 'truth/position', trail.target_id, Marker.SPHERE, INK, (1.2 * size,) * 3)
@@ -73,18 +73,20 @@ def node_frames(anchors: Anchors, ns: int) -> list[TransformStamped]:
     return frames
 
 
-def _nodes(scene: Scene, head: Header, size: float) -> list[Marker]:
+def _nodes(scene: Scene, size: float) -> list[Marker]:
     states = scene.node_states
     if scene.anchors is None or not states:
         return []
-    marker = _marker(head, 'nodes', 0, Marker.SPHERE_LIST, MUTED, (1.6 * size, 1.6 * size, 0.2 * size))
+    flat = (1.6 * size, 1.6 * size, 0.2 * size)
+    marker = _marker(header(scene.reported_ns), 'nodes', 0, Marker.SPHERE_LIST, MUTED, flat)
     marker.points = _points(scene.anchors.positions, 0.0)
     marker.colors = [_color(look(states.get(node)).color) for node in scene.anchors.ids.tolist()]
     return [marker]
 
 
-def _track(track: Track, head: Header, color: str, size: float, height: float) -> list[Marker]:
+def _track(track: Track, color: str, size: float, height: float) -> list[Marker]:
     name, target = track.name, track.target_id
+    head = header(track.estimates[-1].stamp_ns)
     line = _marker(head, name, target, Marker.LINE_STRIP, color, (0.3 * size, 0.0, 0.0))
     line.points = _points([e.mean[:2] for e in track.estimates], height)
     place = _marker(head, f'{name}/position', target, Marker.SPHERE, color, (1.2 * size,) * 3)

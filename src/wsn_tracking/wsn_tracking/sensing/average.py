@@ -39,10 +39,14 @@ def one_a_node(packets: Iterable[Measurement]) -> tuple[Measurement, ...]:
     by_node: dict[int, list[Measurement]] = {}
     for packet in sorted(packets, key=lambda p: (p.node_id, p.seq)):
         by_node.setdefault(packet.node_id, []).append(packet)
-    return tuple(_one([p for p in same if usable(p)] or same[-1:]) for same in by_node.values())
+    return tuple(_one(same) for same in by_node.values())
 
 
-def _one(packets: Sequence[Measurement]) -> Measurement:
+def _one(same: Sequence[Measurement]) -> Measurement:
+    last = same[-1]
+    if len(same) == 1:
+        return last
+    packets = [p for p in same if usable(p)] or same[-1:]
     last = packets[-1]
     if len(packets) == 1:
         return last

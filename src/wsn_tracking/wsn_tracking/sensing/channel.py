@@ -31,7 +31,7 @@ class PathLoss(NamedTuple):
     n: Quantity
     sigma_db: Quantity
     places: NDArray[np.int64]  # (N,) at which a node was heard
-    readings: NDArray[np.int64]  # (N,)
+    readings: NDArray[np.int64]  # (N,); 0: not told
 
 
 class Ranging(NamedTuple):

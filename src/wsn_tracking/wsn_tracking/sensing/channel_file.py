@@ -30,15 +30,16 @@ HEADER = """\
 """
 PATH_LOSS = """
 # Signal strength [dBm] at distance d [m]: p1_dbm - 10 n log10(d / 1 m); sigma_db [dB]: standard deviation of one packet
-# about that. places: where the node was heard; readings: how often.
+# about that. places: where the node was heard; readings: how often (0: not told).
 """
 RANGING = """
 # Range [m] at distance d [m]: scale d + bias; sigma [m]: standard deviation of one range about that.
 """
 MAP = """
 # What the survey tells beyond path loss: a Gaussian process per node (Matern 3/2) about it, of standard deviation
-# amplitude_db [dB] and correlation length [m]. nodes: [place_db, packet_db]: standard deviations [dB] of fading from
-# place to place and of packets at one place. Tables: x, y [m], then a column a node, `-` where it was not heard.
+# amplitude_db [dB] and correlation length [m]. nodes: [p1_dbm, n, place_db, packet_db]: path loss beside that field,
+# standard deviations [dB] of fading from place to place and of packets at one place. Tables: x, y [m], then a column a
+# node, `-` where it was not heard: signal strength minus that path loss, and with which standard deviation it counts.
 """
 
 
@@ -75,10 +76,9 @@ def _map_lines(radio_map: RadioMap) -> Iterable[str]:
     yield f'  amplitude_db: {_number(radio_map.amplitude_db)}'
     yield f'  length: {_number(radio_map.length)}'
     yield '  nodes:'
-    for node, place, packet in zip(
-        radio_map.ids.tolist(), radio_map.place_db.tolist(), radio_map.packet_db.tolist(), strict=True
-    ):
-        yield f'    {node}: [{_number(place)}, {_number(packet)}]'
+    columns = [radio_map.p1_dbm, radio_map.n, radio_map.place_db, radio_map.packet_db]
+    for node, values in zip(radio_map.ids.tolist(), np.stack(columns, axis=-1).tolist(), strict=True):
+        yield f'    {node}: [{", ".join(map(_number, values))}]'
     for name in ('residual_db', 'noise_db'):
         yield f'  {name}: |'
         rows = np.concatenate([radio_map.points, getattr(radio_map, name)], axis=1)
@@ -196,26 +196,35 @@ class _Reader:
         nodes = section['nodes']
         if self.ids(nodes, 'map nodes') != ids.tolist():
             self.refuse(f'`map` is of nodes {_shown(sorted(nodes))}', f'those of `path_loss`: {ids.tolist()}')
-        each = [self.numbers(nodes[node], 2, f'`map` of node {node}') for node in ids.tolist()]
-        place, packet = np.array(each).T
+        each = [self.numbers(nodes[node], 4, f'`map` of node {node}') for node in ids.tolist()]
+        p1, n, place, packet = np.array(each).T
         residual = self.table(section['residual_db'], 2 + ids.size, 'residual_db')
         noise = self.table(section['noise_db'], 2 + ids.size, 'noise_db')
         if residual.shape != noise.shape or not np.array_equal(residual[:, :2], noise[:, :2]):
             self.refuse('`residual_db` and `noise_db` of `map` are of different places', 'the same x, y in both')
         known = np.isfinite(residual[:, 2:])
-        fine = amplitude >= 0.0 and length > 0.0 and np.all(place >= 0.0) and np.all(place + packet > 0.0)
-        if not fine or np.any(packet < 0.0) or not np.all(noise[:, 2:][known] > 1e-6) or np.any(np.isnan(residual[:, :2])):
+        fine = amplitude >= 0.0 and length > 0.0 and min(n.min(), packet.min()) > 0.0 and place.min() >= 0.0
+        if not (fine and np.all(noise[:, 2:][known] >= 1e-6) and np.all(np.isfinite(residual[:, :2]))):
             self.refuse(
-                '`map` has a standard deviation, a length or a place that is none',
-                'amplitude_db >= 0, length > 0, place_db and packet_db >= 0, noise_db > 0 where there is a residual',
+                '`map` has a standard deviation, an exponent, a length or a place that is none',
+                'amplitude_db >= 0, length > 0, n > 0, place_db >= 0, packet_db > 0, noise_db >= 1e-6',
             )
         points = residual[:, :2]
         try:
             return make_map(
-                ids, points, residual[:, 2:], np.where(known, noise[:, 2:], 1.0), amplitude, length, place, packet
+                ids,
+                p1,
+                n,
+                points,
+                residual[:, 2:],
+                np.where(known, noise[:, 2:], 1.0),
+                amplitude,
+                length,
+                place,
+                packet,
             )
         except (np.linalg.LinAlgError, MemoryError) as error:
-            self.refuse(f'its `map` cannot be computed ({error})', 'amplitude, length and noise of one another\'s size')
+            self.refuse(f'its `map` cannot be computed ({error})', 'amplitude_db and noise_db of similar size')
 
     def table(self, text: Any, width: int, name: str) -> Floats:
         rows: Sequence[list[str]] = [line.split() for line in text.splitlines()] if isinstance(text, str) else []

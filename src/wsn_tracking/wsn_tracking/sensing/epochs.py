@@ -95,14 +95,13 @@ class EpochAssembler:
         self._follow(now)
         out = []
         while (epoch := self._open.head) is not None:
-            missing = self._missing(epoch)
-            if missing:
+            if epoch.lacks(self._awaited()):
                 if now - epoch.touched < self.loss_timeout and len(self._open) <= MAX_OPEN:
                     break
                 if self._ahead and self._jumps(self._ahead[0]):
                     self._discard_open()  # the old run was cut off
                     break
-                self._count_loss(epoch, missing)
+                self._count_loss(epoch)
             out.append(self._close(epoch.seq))
         return out
 
@@ -116,7 +115,7 @@ class EpochAssembler:
         """What the oldest open epoch still lacks, in words; empty when nothing is awaited."""
         head = self._open.head
         if head is not None:
-            return f'epoch {head.seq}: {self._missing(head)}'
+            return f'epoch {head.seq}: {head.missing(self._awaited())}'
         return 'the first request' if self._first is None else ''
 
     @property
@@ -214,15 +213,15 @@ class EpochAssembler:
 
     # ---- closing
 
-    def _missing(self, epoch: OpenEpoch) -> str:
-        speaking = [node for node in self.roster if self._unreported[node] < FORGET_AFTER]
-        return epoch.missing(speaking or self.roster)  # where nobody speaks, only time can tell that all has come
+    def _awaited(self) -> frozenset[int]:
+        """The nodes whose lists are waited for; where nobody speaks, only time can tell that all has come."""
+        return self.roster - {node for node, n in self._unreported.items() if n >= FORGET_AFTER} or self.roster
 
-    def _count_loss(self, epoch: OpenEpoch, missing: str) -> None:
+    def _count_loss(self, epoch: OpenEpoch) -> None:
         if self.lossless:
             raise TrackingError(
-                f'epoch {epoch.seq} lacks {missing}: nothing may be missing in a replay, so its feed is broken or too '
-                f'slow for `loss_timeout`, {self.loss_timeout:g} s'
+                f'epoch {epoch.seq} lacks {epoch.missing(self._awaited())}: nothing may be missing in a replay, so its '
+                f'feed is broken or too slow for `loss_timeout`, {self.loss_timeout:g} s'
             )
         unlisted = self.roster - epoch.covered
         for node in unlisted:

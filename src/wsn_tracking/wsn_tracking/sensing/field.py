@@ -3,8 +3,11 @@
 Node k reads at place j: y_jk = H_jk beta_k + f_k(x_j) + e_jk. The trend beta_k belongs to a population (see
 shrinkage.py), the field f_k is a Gaussian process with Matérn 3/2 covariance, the noise e_jk is fading from place to
 place and the mean of n_jk packets: place^2 + packet_k^2 / n_jk. Amplitude, length and place are shared by all nodes
-and maximise the marginal likelihood, trends integrated out. Neighbouring places say the same of the trend, which the
-field knows: without it the intervals of the trend would be far too narrow.
+and maximise the marginal likelihood, trends integrated out.
+
+With the field, the trend is what remains when the field has its share. Without, it is the line that is nearest to the
+readings all over the surveyed places, which is what a tracker without a map needs; but neighbouring places say the same
+of it, and only the field knows how much: `covariance_of` asks it.
 """
 
 from __future__ import annotations
@@ -16,183 +19,107 @@ from numpy.typing import NDArray
 
 from wsn_tracking.models.anchors import Floats
 from wsn_tracking.models.matern import matern
-from wsn_tracking.sensing.robust_fit import FAR, outlier_weights
-from wsn_tracking.sensing.shrinkage import PopulationPrior, Shrunk, shrink
-from wsn_tracking.sensing.survey import Survey
 
-ROUNDS = 3  # hyperparameters, trends, trust: then the next
 LENGTH = 3.0  # [m] of the field before any data: as wide as a room
 LENGTH_FACTOR, SCALE_FACTOR = 2.5, 3.0  # what one standard deviation of these guesses multiplies or divides by
+LENGTHS = (0.15, 300.0)  # [m] that are considered
 LEAST_SHARE = 1e-3  # of the readings' scale: smaller amplitudes and noises make no difference
-MANY = 100.0  # packets at one place; more tell no more of their scatter
-TAIL = 3.0  # scatter beyond this many times the median's is another wrong reading
+PASSES = 60
 
 
 class Hyper(NamedTuple):
     """What is shared by all nodes, in the unit of the readings and in metres."""
 
-    amplitude: float
+    amplitude: float  # standard deviation of the field; 0: there is none
     length: float
-    place: float
+    place: float  # standard deviation from place to place
 
 
-class FieldFit(NamedTuple):
-    """Trends, field and noise of a survey."""
+class Data(NamedTuple):
+    """Readings y and their design H, a row a place, a column a node; zeros where a node heard nothing."""
 
-    trends: Shrunk
-    hyper: Hyper
+    points: Floats  # (K, 2) [m]
+    H: Floats  # (K, N, p)
+    y: Floats  # (K, N)
+    known: NDArray[np.bool_]  # (K, N)
+    counts: Floats  # (K, N) packets that each is the mean of, 1 or more
     packet: Floats  # (N,) standard deviation of packets at one place
-    residual: Floats  # (K, N) reading minus trend; NaN: unknown
-    noise: Floats  # (K, N) standard deviation with which each reading tells the field; larger for wrong ones
-    trust: Floats  # (K, N) 1, less for readings that look wrong
-    effective: Floats  # (N,) independent places that the readings of a node are worth
-    left_out: Floats  # (K, N) reading minus what all others predict; NaN: unknown
-    left_out_std: Floats  # (K, N) what that should be
+    trust: Floats  # (K, N) in (0, 1]: noise variances are divided by it
 
 
-def fit_field(H: Floats, survey: Survey, prior: PopulationPrior, *, field: bool = True) -> FieldFit:
-    """Fit design H (K, N, p), whose first column is one; without `field` all places are independent.
-
-    Readings beyond FAR standard deviations from what all others predict are trusted less.
-    """
-    known = survey.known
-    H = np.where(known[..., None], H, 0.0)
-    y = np.where(known, survey.values, 0.0)
-    counts = np.where(known, survey.counts, 1.0)
-    packet = packet_std(survey)
-    trust, scale = outlier_weights(H, y, known, counts / (counts + 1.0), prior)
-    typical = float(np.median(scale))
-    R = matern(survey.points, survey.points, _start(typical).length)
-    hyper = _start(typical) if field else Hyper(0.0, LENGTH, typical)
-    trends: Shrunk | None = None
-    for _ in range(ROUNDS):
-        hyper = _most_likely(hyper, H, y, known, counts, packet, trust, prior, trends, survey.points, typical, field)
-        R = matern(survey.points, survey.points, hyper.length)
-        noise = _noise(hyper, packet, counts, trust)
-        L = _root(R, hyper.amplitude, noise, known)
-        Hw, yw = _whiten(L, H), _whiten(L, y[..., None])[..., 0]
-        trends = shrink(np.swapaxes(Hw, -1, -2) @ Hw, np.einsum('nki,nk->ni', Hw, yw), prior)
-        left_out, std = _left_out(R, hyper.amplitude, noise, known, H, y, trends)
-        with np.errstate(invalid='ignore'):
-            trust = np.where(known, np.minimum(trust, np.maximum(np.abs(left_out) / (FAR * std), 1.0) ** -2.0), 1.0)
-    assert trends is not None
-    residual = np.where(known, y - np.einsum('kni,ni->kn', H, trends.beta), np.nan)
-    ones = _whiten(L, known[..., None].astype(np.float64))[..., 0]
-    effective = np.square(ones).sum(axis=-1) * (hyper.amplitude**2 + hyper.place**2)
-    return FieldFit(trends, hyper, packet, residual, noise, trust, effective, left_out, std)
+def start(scale: float, *, field: bool) -> Hyper:
+    """A guess: half of the readings' variance in the field, half from place to place."""
+    half = float(np.sqrt(0.5)) * scale
+    return Hyper(half, LENGTH, half) if field else Hyper(0.0, LENGTH, scale)
 
 
-def packet_std(survey: Survey) -> Floats:
-    """Standard deviation of a node's packets at one place (N,); 0 where no place has two of them.
-
-    Pooled over the places. What scatters more than TAIL times as much as half of them do counts as that much;
-    a node with few packets is helped by the others.
-    """
-    known = survey.known & np.isfinite(survey.scatter)
-    w = np.where(known, np.minimum(survey.counts, MANY) - 1.0, 0.0)
-    if not np.any(w > 0.0):
-        return np.zeros(survey.ids.size)
-    squares = np.where(known, survey.scatter, 0.0) ** 2
-    limit = TAIL**2 * float(np.median(squares[w > 0.0]))
-    squares = np.minimum(squares, limit) if limit > 0.0 else squares
-    common = float(np.average(squares, weights=w))
-    own = MANY * common + (w * squares).sum(axis=0)
-    return np.asarray(np.sqrt(own / (MANY + w.sum(axis=0))))
+def noise_std(hyper: Hyper, data: Data) -> Floats:
+    """Standard deviation (K, N) with which each reading tells trend and field."""
+    return np.asarray(np.sqrt((hyper.place**2 + data.packet**2 / data.counts) / data.trust))
 
 
-def _start(scale: float) -> Hyper:
-    """Half of the variance in the field, half from place to place."""
-    return Hyper(scale * np.sqrt(0.5), LENGTH, scale * np.sqrt(0.5))
+def covariance(hyper: Hyper, data: Data) -> Floats:
+    """Covariance (N, K, K) of each node's readings about its trend; an unknown one stands alone with variance 1."""
+    links = data.known.T[:, :, None] & data.known.T[:, None, :]
+    diagonal = np.where(data.known, noise_std(hyper, data) ** 2, 1.0).T
+    shared = hyper.amplitude**2 * matern(data.points, data.points, hyper.length)
+    return np.asarray(links * shared + np.eye(len(data.points)) * diagonal[:, :, None])
 
 
-def _noise(hyper: Hyper, packet: Floats, counts: Floats, trust: Floats) -> Floats:
-    return np.asarray(np.sqrt((hyper.place**2 + packet**2 / counts) / trust))
-
-
-def _root(R: Floats, amplitude: float, noise: Floats, known: NDArray[np.bool_]) -> Floats:
-    """Cholesky factor (N, K, K) of each node's covariance; a row without reading stands alone with unit variance."""
-    links = known.T[:, :, None] & known.T[:, None, :]
-    diagonal = np.where(known, noise**2, 1.0).T
-    return np.linalg.cholesky(links * (amplitude**2 * R) + np.eye(len(R)) * diagonal[:, :, None])
-
-
-def _whiten(L: Floats, columns: Floats) -> Floats:
+def whiten(L: Floats, columns: Floats) -> Floats:
     """L^-1 of columns (K, N, m), as (N, K, m)."""
-    return np.linalg.solve(L, np.swapaxes(columns, 0, 1))
+    return np.asarray(np.linalg.solve(L, np.swapaxes(columns, 0, 1)))
 
 
-def _most_likely(
-    start: Hyper,
-    H: Floats,
-    y: Floats,
-    known: NDArray[np.bool_],
-    counts: Floats,
-    packet: Floats,
-    trust: Floats,
-    prior: PopulationPrior,
-    trends: Shrunk | None,
-    points: Floats,
-    scale: float,
-    field: bool,
-) -> Hyper:
-    """Hyperparameters at the maximum of marginal likelihood times a broad guess (log-normal), trends integrated out."""
+def cost(hyper: Hyper, data: Data, mean: Floats, spread: Floats) -> float:
+    """Minus the logarithm of the marginal likelihood, up to a constant, of trends beta ~ N(mean, spread)."""
+    away = data.y - np.einsum('kni,i->kn', data.H, mean)
+    white = whiten(L := np.linalg.cholesky(covariance(hyper, data)), np.concatenate([data.H, away[..., None]], axis=-1))
+    Hw, e = white[..., :-1] @ np.linalg.cholesky(spread), white[..., -1]
+    B = np.eye(Hw.shape[-1]) + np.swapaxes(Hw, -1, -2) @ Hw
+    g = np.einsum('nki,nk->ni', Hw, e)
+    quadratic = np.square(e).sum() - np.einsum('ni,ni->', g, np.linalg.solve(B, g[..., None])[..., 0])
+    logs = 2.0 * np.log(np.diagonal(L, axis1=-2, axis2=-1)).sum() + np.linalg.slogdet(B)[1].sum()
+    return float(0.5 * (quadratic + logs))
+
+
+def most_likely(first: Hyper, data: Data, mean: Floats, spread: Floats, scale: float) -> Hyper:
+    """Hyperparameters at the maximum of marginal likelihood times a broad log-normal guess, searched from `first`."""
     from scipy.optimize import minimize
 
-    if trends is None:
-        mean, spread = prior.mean, np.diag(np.square(prior.std) + np.square(prior.spread))
-    else:
-        mean, spread = trends.mean, trends.spread
-    centred = y - np.einsum('kni,i->kn', H, mean)
-    columns = np.concatenate([H, centred[..., None]], axis=-1)
-    root_T = np.linalg.cholesky(spread)
-    guess = _start(scale)
-    count = 3 if field else 1
+    field = first.amplitude > 0.0
+    guess = start(scale, field=field)
+
+    def order(hyper: Hyper) -> list[float]:
+        return [hyper.place, hyper.amplitude, hyper.length] if field else [hyper.place]
 
     def hyper_of(theta: Floats) -> Hyper:
-        values = np.exp(theta)
-        return Hyper(float(values[1]), float(values[2]), float(values[0])) if field else Hyper(0.0, LENGTH, *values)
+        values: list[float] = np.exp(theta).tolist()
+        return Hyper(values[1], values[2], values[0]) if field else guess._replace(place=values[0])
 
-    def cost(theta: Floats) -> float:
-        hyper = hyper_of(theta)
-        L = _root(matern(points, points, hyper.length), hyper.amplitude, _noise(hyper, packet, counts, trust), known)
-        white = _whiten(L, columns)
-        Hw, e = white[..., :-1] @ root_T, white[..., -1]
-        B = np.eye(H.shape[-1]) + np.swapaxes(Hw, -1, -2) @ Hw
-        g = np.einsum('nki,nk->ni', Hw, e)
-        quadratic = np.square(e).sum() - np.einsum('ni,ni->', g, np.linalg.solve(B, g[..., None])[..., 0])
-        logs = 2.0 * np.log(np.diagonal(L, axis1=-2, axis2=-1)).sum() + np.linalg.slogdet(B)[1].sum()
-        broad = ((theta - centre) / widths) ** 2
-        return float(0.5 * (quadratic + logs + broad.sum()))
+    centre = np.log(order(guess))
+    widths = np.log([SCALE_FACTOR, SCALE_FACTOR, LENGTH_FACTOR])[: centre.size]
 
-    centre = np.log([guess.place, guess.amplitude, guess.length])[:count]
-    widths = np.log([SCALE_FACTOR, SCALE_FACTOR, LENGTH_FACTOR])[:count]
+    def posterior(theta: Floats) -> float:
+        doubt = np.square((theta - centre) / widths).sum()
+        return cost(hyper_of(theta), data, mean, spread) + 0.5 * float(doubt)
+
     least = np.log(LEAST_SHARE * scale)
-    bounds = [(least, None), (least, None), (np.log(0.05 * LENGTH), np.log(100.0 * LENGTH))][:count]
-    first = np.log([start.place, max(start.amplitude, LEAST_SHARE * scale), start.length])[:count]
-    best = minimize(cost, first, method='L-BFGS-B', bounds=bounds, options={'maxiter': 60})
-    return hyper_of(best.x)
+    bounds = [(least, None), (least, None), tuple(np.log(LENGTHS))][: centre.size]
+    found = minimize(posterior, np.log(order(first)), method='L-BFGS-B', bounds=bounds, options={'maxiter': PASSES})
+    return hyper_of(found.x)
 
 
-def _left_out(
-    R: Floats,
-    amplitude: float,
-    noise: Floats,
-    known: NDArray[np.bool_],
-    H: Floats,
-    y: Floats,
-    trends: Shrunk,
-) -> tuple[Floats, Floats]:
-    """Each reading minus what all others of its node predict, and the standard deviation of that, (K, N) each.
+def left_out(hyper: Hyper, data: Data, mean: Floats, spread: Floats) -> tuple[Floats, Floats]:
+    """Each reading minus what all others of its node predict, and its standard deviation, (K, N); NaN: unknown.
 
-    The population stands for the node's trend, so that one reading does not speak through it twice (Rasmussen and
+    The trend is N(mean, spread) before the node's readings, so that none speaks through it twice (Rasmussen and
     Williams 2006, eq. 5.12, of the covariance with the trend in it).
     """
-    C = _root(R, amplitude, noise, known)
-    C = C @ np.swapaxes(C, -1, -2)
-    Hn = np.swapaxes(H, 0, 1)
-    full = C + Hn @ (trends.spread + trends.mean_cov) @ np.swapaxes(Hn, -1, -2)
-    precision = np.linalg.solve(full, np.broadcast_to(np.eye(len(R)), full.shape))
+    H = np.swapaxes(data.H, 0, 1)
+    full = covariance(hyper, data) + H @ spread @ np.swapaxes(H, -1, -2)
+    precision = np.linalg.solve(full, np.broadcast_to(np.eye(len(data.points)), full.shape))
     variance = 1.0 / np.diagonal(precision, axis1=-2, axis2=-1)
-    centred = (y - np.einsum('kni,i->kn', H, trends.mean)).T
-    left_out = (precision @ centred[..., None])[..., 0] * variance
-    return np.where(known, left_out.T, np.nan), np.where(known, np.sqrt(variance).T, np.nan)
+    away = (data.y - np.einsum('kni,i->kn', data.H, mean)).T
+    error = (precision @ away[..., None])[..., 0] * variance
+    return np.where(data.known, error.T, np.nan), np.where(data.known, np.sqrt(variance).T, np.nan)

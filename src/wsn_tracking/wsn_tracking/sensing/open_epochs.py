@@ -52,8 +52,12 @@ class OpenEpoch:
         """The packets that count: what a node's list does not name came too late for whoever wrote the list."""
         return [p for key, p in self.packets.items() if key in self.listed or key[0] not in self.covered]
 
+    def lacks(self, awaited: Iterable[int]) -> bool:
+        """Whether anything is still to come; the lists of the nodes `awaited` are waited for."""
+        return self.request is None or not (self.covered.issuperset(awaited) and self.listed <= self.packets.keys())
+
     def missing(self, awaited: Iterable[int]) -> str:
-        """What is still to come, in words; the lists of the nodes `awaited` are waited for."""
+        """The same in words; empty where nothing is."""
         parts = []
         if self.request is None:
             parts.append('its request')

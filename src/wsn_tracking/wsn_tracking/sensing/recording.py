@@ -38,3 +38,13 @@ class Recording(NamedTuple):
     truth: Mapping[int, Truth]
     metadata: Mapping[str, str]
     dropped: Mapping[str, int]
+
+
+def of_target(recording: Recording, target_id: int) -> Recording:
+    """What concerns one target; -1: all of it."""
+    if target_id < 0:
+        return recording
+    return recording._replace(
+        messages=tuple(m for m in recording.messages if m.target_id == target_id),
+        truth={target: truth for target, truth in recording.truth.items() if target == target_id},
+    )

@@ -22,6 +22,7 @@ class PopulationPrior(NamedTuple):
     mean: Floats  # (p,)
     std: Floats  # (p,) of the mean
     spread: Floats  # (p,) standard deviation of the nodes about the mean
+    scatter: float  # of readings about a node's trend
     strength: float = 2.0  # nodes that the assumed spread counts for
 
 
@@ -40,18 +41,18 @@ def shrink(A: Floats, b: Floats, prior: PopulationPrior) -> Shrunk:
 
     A node with much data keeps its own estimate; one without has the mean, and the spread as its uncertainty.
     """
-    N, p = b.shape
+    N = len(b)
     strength = prior.strength
     assumed = np.diag(np.square(prior.spread))
     prior_precision = np.diag(1.0 / np.square(prior.std))
     spread = assumed.copy()
     mean = prior.mean.copy()
     for _ in range(PASSES):
-        T = _inverse(spread)
-        V = _inverse(A + T)
+        T = precision_of(spread)
+        V = precision_of(A + T)
         # d b / d mean: how much of the mean's information each node passes on
         gain = T - T @ V @ T
-        mean_cov = _inverse(gain.sum(axis=0) + prior_precision)
+        mean_cov = precision_of(gain.sum(axis=0) + prior_precision)
         before = mean
         mean = mean_cov @ ((T @ (V @ b[..., None]))[..., 0].sum(axis=0) + prior_precision @ prior.mean)
         beta = (V @ (b + T @ mean)[..., None])[..., 0]
@@ -64,8 +65,8 @@ def shrink(A: Floats, b: Floats, prior: PopulationPrior) -> Shrunk:
     return Shrunk(mean, mean_cov, spread, beta, V + through @ mean_cov @ np.swapaxes(through, -1, -2))
 
 
-def _inverse(P: Floats) -> Floats:
-    """Inverse of positive definite matrices of two or three rows, well scaled first."""
+def precision_of(P: Floats) -> Floats:
+    """Precision of covariances of two or three rows, (..., p, p), or the other way; they are scaled first."""
     d = 1.0 / np.sqrt(np.diagonal(P, axis1=-2, axis2=-1))
     D = d[..., :, None] * d[..., None, :]
     return np.asarray(np.linalg.solve(P * D, np.broadcast_to(np.eye(P.shape[-1]), P.shape)) * D)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import NamedTuple
@@ -10,7 +11,7 @@ import numpy as np
 
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.models.anchors import Anchors
-from wsn_tracking.models.draws import keyed
+from wsn_tracking.models.draws import Stream
 from wsn_tracking.models.radio import range_at, relative_range_std
 from wsn_tracking.parameters import param
 from wsn_tracking.sensing import trigger
@@ -61,33 +62,33 @@ class SensingStage:
         wanted = tuple(ids)
         self.anchors = anchors.select(wanted) if wanted else anchors
         self._trigger = config.strategy()
-        self._draws = config.kind == 'random'
-        self._seed = seed
+        self._nodes = self.anchors.ids.tolist()
+        self._share = relative_range_std(self.anchors)
+        self._draws = [Stream(seed, node) for node in self._nodes] if config.kind == 'random' else []
         self.reset()
 
     def reset(self) -> None:
         """Forget the past: as after a start."""
         self._yhat = np.full(self.anchors.ids.size, np.nan)
-        self._sent = np.zeros(self.anchors.ids.size, dtype=np.int64)
+        self._sent = [0] * self.anchors.ids.size
 
     def step(self, epoch: Epoch) -> Sensed:
         """Apply the trigger to an epoch's Rssi values and invert what is sent into ranges."""
-        ids = self.anchors.ids
-        heard: dict[int, Rssi] = {p.node_id: p for p in epoch.measurements if isinstance(p, Rssi)}
-        y = np.array([heard[i].rssi_dbm if i in heard and usable(heard[i]) else np.nan for i in ids.tolist()])
-        self._yhat, verdict = self._trigger(self._yhat, y, self._uniform(epoch.request_seq))
-        ranges, seqs, silent, reasons = [], [], [], []
+        heard = {p.node_id: p for p in epoch.measurements if isinstance(p, Rssi)}
+        y = np.array([heard[i].rssi_dbm if i in heard and usable(heard[i]) else np.nan for i in self._nodes])
+        self._yhat, verdicts = self._trigger(self._yhat, y, self._uniform(epoch.request_seq))
         z = range_at(self.anchors, y)
-        share = relative_range_std(self.anchors)
-        for row, node in enumerate(ids.tolist()):
-            if verdict[row] != trigger.SENT:
+        ranges, seqs, silent, reasons = [], [], [], []
+        columns = (self._nodes, verdicts.tolist(), z.tolist(), (self._share * z).tolist())
+        for row, (node, verdict, distance, std) in enumerate(zip(*columns, strict=True)):
+            if verdict != trigger.SENT:
                 silent.append(node)
                 invalid = node in heard and not usable(heard[node])
-                reasons.append(int(Reason.INVALID if invalid else verdict[row]))
+                reasons.append(int(Reason.INVALID) if invalid else verdict)
                 continue
             packet = heard[node]
-            scale = 1.0 if np.isnan(packet.sigma_db) else packet.sigma_db / float(self.anchors.sigma_db[row])
-            seqs.append(int(self._sent[row]))
+            scale = 1.0 if math.isnan(packet.sigma_db) else packet.sigma_db / float(self.anchors.sigma_db[row])
+            seqs.append(self._sent[row])
             self._sent[row] += 1
             ranges.append(
                 Range(
@@ -97,8 +98,8 @@ class SensingStage:
                     seqs[-1],
                     epoch.request_seq,
                     Modality.RSSI,
-                    float(z[row]),
-                    float((share[row] * scale * z[row]) ** 2),
+                    distance,
+                    (scale * std) ** 2,
                     packet.rssi_dbm,
                     packet.n_samples,
                 )
@@ -117,4 +118,4 @@ class SensingStage:
     def _uniform(self, epoch: int) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
         if not self._draws:
             return np.zeros(self.anchors.ids.size)
-        return np.array([keyed(self._seed, node, epoch).random() for node in self.anchors.ids.tolist()])
+        return np.array([draws.at(epoch).random() for draws in self._draws])

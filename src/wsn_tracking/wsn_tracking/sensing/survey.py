@@ -11,8 +11,8 @@ from wsn_tracking.errors import TrackingError
 from wsn_tracking.models.anchors import Anchors, Floats
 from wsn_tracking.models.radio import MIN_RANGE
 
-CELL = 0.5  # [m] readings within a square of this side are one place
-MOST_PLACES = 200  # a fit takes the third power of their number; more make the squares larger
+CELL = 0.25  # [m] readings within a square of this side are one place
+MOST_PLACES = 150  # a fit takes the third power of their number; more make the squares larger
 GROWTH = 1.2
 
 
@@ -32,7 +32,7 @@ class Survey(NamedTuple):
     distances: Floats  # (K, N) [m], three-dimensional, mean over the readings
     values: Floats  # (K, N) mean signal strength [dBm], or median of range minus distance [m]
     scatter: Floats  # (K, N) standard deviation of the readings at the place; NaN: not known
-    counts: Floats  # (K, N) readings
+    counts: Floats  # (K, N) readings; infinity: so many that nobody has counted them
 
     @property
     def known(self) -> NDArray[np.bool_]:
@@ -54,9 +54,10 @@ def check(survey: Survey) -> Survey:
 def survey_of(readings: Readings, anchors: Anchors, *, ranges: bool = False, cell: float = CELL) -> Survey:
     """Readings gathered in squares of side `cell` [m]; larger ones where there would be more than MOST_PLACES.
 
-    Signal strengths are averaged (their distances too, in the logarithm). Of ranges, the distance is taken off
-    first and the median kept: walls make some of them far too long. Readings of nodes that are not among the
-    anchors, or that are not finite, are left out.
+    Signal strengths are averaged over a place, and the logarithms of their distances. Of ranges, the distance is
+    taken off first and the median kept: walls make some of them far too long. What the distance changes within a
+    place is taken off as well, by one slope for all nodes. Readings of nodes that are not among the anchors, or
+    that are not finite, are left out.
     """
     rows = anchors.rows(readings.node_ids)
     use = (rows >= 0) & np.isfinite(readings.values) & np.all(np.isfinite(readings.positions), axis=1)
@@ -72,13 +73,12 @@ def survey_of(readings: Readings, anchors: Anchors, *, ranges: bool = False, cel
     points = np.stack([_mean(places, positions[:, i], K) for i in (0, 1)], axis=-1)
     at = places * N + rows
     counts = np.bincount(at, minlength=K * N).astype(np.float64)
-    if ranges:
-        distances, middle = _mean(at, away, K * N), _median(at, values - away, K * N)
-        scatter = _scatter(at, values - away, middle, counts)
-    else:
-        distances, middle = np.exp(_mean(at, np.log(away), K * N)), _mean(at, values, K * N)
-        scatter = _scatter(at, values, middle, counts)
-    table = (column.reshape(K, N) for column in (distances, middle, scatter, counts))
+    x, y = (away, values - away) if ranges else (np.log(away), values)
+    x_mean = _mean(at, x, K * N)
+    level = y - _slope(rows, x, y) * (x - x_mean[at])
+    middle = (_median if ranges else _mean)(at, level, K * N)
+    distances = x_mean if ranges else np.exp(x_mean)
+    table = (column.reshape(K, N) for column in (distances, middle, _scatter(at, level, middle, counts), counts))
     return check(Survey(anchors.ids, points, *table))
 
 
@@ -90,6 +90,14 @@ def survey_of_places(
     distances = np.linalg.norm(places[:, None] - anchors.positions, axis=-1)
     table = (np.asarray(column, dtype=np.float64) for column in (values, scatter, counts))
     return check(Survey(anchors.ids, places[:, :2], distances, *table))
+
+
+def _slope(rows: NDArray[np.int64], x: Floats, y: Floats) -> float:
+    """Change of y with x, the same for all nodes, by least squares; 0 where x does not change."""
+    size = int(rows.max()) + 1
+    dx, dy = x - _mean(rows, x, size)[rows], y - _mean(rows, y, size)[rows]
+    total = float(dx @ dx)
+    return float(dx @ dy) / total if total > 0.0 else 0.0
 
 
 def _places(xy: Floats, cell: float) -> NDArray[np.int64]:

@@ -3,26 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import NamedTuple
 
 import numpy as np
 
 from wsn_tracking.errors import TrackingError
-from wsn_tracking.models.anchors import Anchors, Floats, make_anchors
+from wsn_tracking.models.anchors import make_anchors
+from wsn_tracking.simulation.b_field import b_field
 from wsn_tracking.simulation.paths import polygon_loop
-
-
-class Scenario(NamedTuple):
-    """One experiment: the field, the walk and the radio's real noise."""
-
-    name: str
-    configuration: str  # the configuration file that tracks it
-    anchors: Anchors
-    area: tuple[float, float, float, float]  # x_min, y_min, x_max, y_max [m]
-    period: float  # T [s]
-    truth: Floats  # (K, 4) states at k T
-    range_noise: float  # standard deviation as a share of the range
-    alpha: float  # pre-filter of the event trigger
+from wsn_tracking.simulation.scenario import Scenario
+from wsn_tracking.simulation.world import rssi_packets
 
 
 def a_loop() -> Scenario:
@@ -37,12 +26,14 @@ def a_loop() -> Scenario:
         area=(0.0, 0.0, 3.6, 2.4),
         period=1.0,
         truth=polygon_loop(corners, 0.06, np.arange(120)),
+        entry_level='rssi',
+        packets=rssi_packets,
         range_noise=0.12,
         alpha=0.3,
     )
 
 
-SCENARIOS: Mapping[str, Callable[[], Scenario]] = {'a_loop': a_loop}
+SCENARIOS: Mapping[str, Callable[[], Scenario]] = {'a_loop': a_loop, 'b_field': b_field}
 
 
 def scenario(name: str) -> Scenario:

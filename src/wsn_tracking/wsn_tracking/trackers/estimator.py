@@ -26,7 +26,7 @@ class EstimatorConfig(RandomQConfig):
         choices=('auto', 'range', 'rssi'),
     )
     channel: str = param(
-        '', 'file of `calibrate` with the radios of the nodes, and their map where `input` is rssi; empty: the anchors tell'
+        '', 'file of `calibrate` with the radios of the nodes and, for `input` rssi, their map; empty: the anchors tell'
     )
     fusion: FusionConfig = group(FusionConfig)
 

@@ -62,12 +62,12 @@ class Fuser:
     def step(self, locals_: Sequence[Estimate]) -> Estimate:
         """The fused estimate of one epoch; at least one local estimate of that epoch, one an estimator."""
         ordered = sorted(locals_, key=lambda e: e.contributors)
-        m = np.stack([e.mean for e in ordered])
-        P = np.stack([e.covariance for e in ordered])
+        m = np.array([e.mean for e in ordered])
+        P = np.array([e.covariance for e in ordered])
         fused = self._lci(ordered, m) if self.config.rule == 'lci' else RULES[self.config.rule](m, P)
         mean = np.array(fused.m)
         if self._area:
-            mean[:2] = np.clip(mean[:2], self._area[:2], self._area[2:])
+            mean[:2] = np.minimum(np.maximum(mean[:2], self._area[:2]), self._area[2:])
         first = ordered[0]
         return Estimate(
             first.stamp_ns,

@@ -39,6 +39,8 @@ class MeasurementTable:
         self, anchors: Anchors, height: float, update: UpdateConfig, radio_map: RadioMap | None = None
     ) -> None:
         self.anchors = anchors
+        self._rows = {node: row for row, node in enumerate(anchors.ids.tolist())}
+        self._share = relative_range_std(anchors)
         self._range = range_function(anchors, height)
         self._log_range = log_range_function(anchors, height)
         self._map = None if radio_map is None else aligned(radio_map, anchors)
@@ -49,9 +51,11 @@ class MeasurementTable:
 
     def read(self, epoch: Epoch) -> Readings:
         """The readings of an epoch; a packet of an unknown node or with an impossible number is none."""
-        packets = [p for p in epoch.measurements if isinstance(p, (Range, Rssi)) and usable(p)]
-        rows = self.anchors.rows([p.node_id for p in packets]).tolist()
-        kept = [(row, p) for row, p in zip(rows, packets, strict=True) if row >= 0]
+        kept = [
+            (self._rows[p.node_id], p)
+            for p in epoch.measurements
+            if isinstance(p, (Range, Rssi)) and p.node_id in self._rows and usable(p)
+        ]
         ids = tuple(p.node_id for _, p in kept)
         z = np.full(self.anchors.ids.size, np.nan)
         if kept and isinstance(kept[0][1], Rssi):
@@ -76,7 +80,7 @@ class MeasurementTable:
         the one that came along.
         """
         h = self._range
-        default = relative_range_std(self.anchors) * z if from_rssi else self._update.range_std
+        default = self._share * z if from_rssi else self._update.range_std
         std = np.where(np.isnan(told), default, told)
         if self._update.kind == 'log':
             return np.log(z), self._log_range, constant_noise(std / z)

@@ -84,7 +84,9 @@ class Layout:
                     parts.append(part.pack(*rest[:count]))
                     rest = rest[count:]
         except (struct.error, ValueError) as error:
-            raise TrackingError(f'{tuple(fields)} cannot be encoded ({error}): expected values that fit their fields') from None
+            raise TrackingError(
+                f'{tuple(fields)} cannot be encoded ({error}): expected values that fit their fields'
+            ) from None
         return b''.join(parts)
 
     def _items(self, part: struct.Struct, data: bytes) -> Any:

@@ -30,7 +30,6 @@ SOURCE = 'github philotuxo/Position-Annotated-BLE-RSSI-Dataset @77474b69'
 AREA = '0 0 20.66 17.64'  # [m]
 HEIGHT = 1.8  # [m] at which the beacon was carried
 TARGET = 1
-PACKETS = 1000.0  # in a histogram, which does not tell: most have three times as many
 PACKET_S = 0.1  # one packet reaches all receivers within 11 ms, the next comes 440 ms later
 
 
@@ -61,8 +60,8 @@ def survey(src: Path) -> tuple[Anchors, Survey]:
         link = links[node]
         at = [row[tuple(point)] for point in link.points.tolist()]
         values[at, column], scatter[at, column] = link.mean_dbm, link.std_db
-        counts[at, column] = np.where(link.complete > 0.0, PACKETS, 0.0)
-    return anchors, survey_of_places(anchors, places, values, scatter, np.nan_to_num(counts))
+        counts[at, column] = np.where(link.complete > 0.0, np.inf, 0.0)  # thousands, which are not told
+    return anchors, survey_of_places(anchors, places, values, scatter, np.nan_to_num(counts, posinf=np.inf))
 
 
 def calibrated(devices: Devices, links: dict[int, Links]) -> Anchors:

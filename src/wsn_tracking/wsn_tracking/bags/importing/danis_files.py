@@ -158,7 +158,7 @@ def read_histograms(path: Path, devices: Devices) -> dict[int, Links]:
     if absent:
         raise TrackingError(f'{path} has no histogram of receivers {sorted(absent)}: they cannot be calibrated')
     tables = {node: np.array(links) for node, links in sorted(rows.items())}
-    return {node: Links(*table[:, :4].T, table[:, 4:]) for node, table in tables.items()}
+    return {node: Links(*table.T[:4], table[:, 4:]) for node, table in tables.items()}  # type: ignore[call-arg]
 
 
 def _moments(distance: float, levels: Floats, pmf: Any) -> tuple[float, float, float, float]:

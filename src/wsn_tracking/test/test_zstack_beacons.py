@@ -1,0 +1,77 @@
+import random
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from zstack_cases import properties
+
+from wsn_tracking.zstack.beacons import KEPT, Robot, pair
+
+MS = 1_000_000
+
+
+class Host:
+    def __init__(self):
+        self.robot = Robot()
+
+    def pair(self, beacon, time_ms):
+        self.robot, seq, first = pair(self.robot, beacon, int(time_ms * MS))
+        return seq, first
+
+
+@properties
+@given(st.integers(0, 255), st.integers(0, 10**6), st.floats(0.0, 0.9), st.integers(60, 1000))
+def test_reports_of_one_request_meet_over_wraps_loss_and_disorder(start, seed, loss, period):
+    draw, host, reports = random.Random(seed), Host(), []
+    for k in range(600):
+        for _ in range(3):
+            if not 0 < k < 599 or draw.random() >= loss:
+                measured = period * k + draw.uniform(0, 20)
+                reports.append((period * k + draw.uniform(0, 3 * period), k, measured))
+    found, outage = {}, 0
+    for _, k, measured in sorted(reports):
+        outage = max(outage, k - max(found, default=k))
+        seq, first = host.pair((start + k) % 256, measured)
+        assert first == (k not in found)
+        assert found.setdefault(k, seq) == seq
+    if outage < 100:  # 256 requests that nobody heard cannot be counted
+        offsets = {seq - k for k, seq in found.items() if k >= 5}
+        assert len(offsets) == 1
+
+
+def test_number_that_comes_back_is_another_request():
+    host = Host()
+    assert host.pair(7, 0) == (7, True)
+    assert host.pair(7, 400) == (7, False)
+    assert host.pair(7, 25_600) == (7 + 256, True)
+
+
+def test_request_that_nobody_else_heard_finds_its_place():
+    host = Host()
+    host.pair(10, 1000)
+    host.pair(12, 1200)
+    assert host.pair(11, 1100) == (11, True)
+    assert host.pair(12, 1205) == (12, False)
+    assert host.pair(13, 1300) == (13, True)
+
+
+def test_robot_that_restarts_goes_on_upwards():
+    host = Host()
+    for k in range(200):
+        host.pair(k, 100 * k)
+    seqs = [host.pair(k, 30_000 + 100 * k)[0] for k in range(10)]
+    assert seqs == list(range(256, 266))
+
+
+def test_reports_without_a_number_are_paired_by_time():
+    host = Host()
+    seqs = [host.pair(None, t)[0] for t in (0, 30, 100, 120, 90, 200)]
+    assert seqs == [0, 0, 1, 1, 1, 2]
+
+
+@pytest.mark.parametrize('beacon', [None, 3])
+def test_memory_is_bounded(beacon):
+    host = Host()
+    for k in range(1000):
+        host.pair(None if beacon is None else (beacon + k) % 256, 1000 * k)
+    assert len(host.robot.requests) == KEPT

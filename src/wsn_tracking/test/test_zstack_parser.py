@@ -1,0 +1,147 @@
+import random
+
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+from zstack_cases import BYTES, is_subsequence, line_bytes, message, parse, properties, report_payload
+
+from wsn_tracking.zstack.commands import decode
+from wsn_tracking.zstack.frames import encode_frame, fcs
+from wsn_tracking.zstack.parser import Parser
+
+STREAM = b''.join(BYTES.values())
+FRAMES = [frame for data in BYTES.values() for frame in parse(data)]
+REPORTS = [line_bytes(message(report_payload(seq=seq, rssi=-40 - seq), ticks=1000 * seq)) for seq in range(6)]
+garbage = st.one_of(
+    st.binary(max_size=40),
+    st.lists(st.sampled_from([0xFE, 0xFA, 0xFF, 0x44, 0x81, 0x00, 0x2A, 0x61, 0x02]), max_size=40).map(bytes),
+    st.sampled_from([b'boot\r\n', b'\xfe', b'\xfe\xfe\xfe', b'\xfe\xfa', b'\xfe\x2a\x44\x81', bytes(300)]),
+)
+
+
+def valid_at(stream, at):
+    """Written without the parser: do the bytes there make a frame?"""
+    if at + 5 > len(stream) or stream[at] != 0xFE or stream[at + 1] > 250:
+        return False
+    stop = at + stream[at + 1] + 5
+    return stop <= len(stream) and fcs(stream[at + 1 : stop]) == 0
+
+
+@properties
+@given(st.lists(st.integers(0, len(STREAM)), max_size=30))
+def test_frames_do_not_depend_on_how_the_stream_is_split(cuts):
+    parser, frames = Parser(), []
+    edges = [0, *sorted(cuts), len(STREAM)]
+    for a, b in zip(edges, edges[1:], strict=False):
+        frames += parser.feed(STREAM[a:b], 0.0)
+    assert frames == FRAMES
+    assert parser.held == 0
+
+
+def test_frames_come_byte_by_byte():
+    parser = Parser()
+    assert [frame for i in range(len(STREAM)) for frame in parser.feed(STREAM[i : i + 1], 0.001 * i)] == FRAMES
+    assert parser.counters['garbage_bytes'] == 0
+
+
+@properties
+@given(st.lists(st.tuples(garbage, st.sampled_from(list(BYTES.values()))), min_size=1, max_size=8), garbage)
+def test_garbage_without_a_frame_in_it_loses_no_frame(pieces, tail):
+    stream, frames, mine = b'', [], []
+    for noise, data in pieces:
+        mine += range(len(stream), len(stream) + len(noise))
+        stream += noise + data
+        frames += parse(data)
+    mine += range(len(stream), len(stream) + len(tail))
+    stream += tail
+    assume(not any(valid_at(stream, at) for at in mine))
+    assert parse(stream) == frames
+
+
+def corruptions(stream):
+    draw = random.Random(5)
+    for at in range(len(stream)):
+        for value in {0x00, 0xFE, 0xFF, 0xFA, stream[at] ^ 1, stream[at] ^ 0x80, draw.randrange(256)} - {stream[at]}:
+            yield at, stream[:at] + bytes((value,)) + stream[at + 1 :]
+
+
+@pytest.mark.parametrize('pieces', [list(BYTES.values()), REPORTS], ids=['captured', 'reports'])
+def test_single_corrupted_byte_loses_at_most_its_frame(pieces):
+    frames = [frame for data in pieces for frame in parse(data)]
+    owner = [i for i, data in enumerate(pieces) for _ in data]
+    for at, stream in corruptions(b''.join(pieces)):
+        others = [frame for i, frame in enumerate(frames) if i != owner[at]]
+        assert is_subsequence(others, parse(stream)), f'byte {at}'
+
+
+@pytest.mark.parametrize('length', range(256))
+def test_corrupted_length_delays_nothing(length):
+    """The frames behind it come as soon as they are complete, not when as many bytes have come as it promised."""
+    broken = REPORTS[0][:1] + bytes((length,)) + REPORTS[0][2:]
+    parser = Parser()
+    parser.feed(broken, 0.0)
+    for data in REPORTS[1:]:
+        assert parser.feed(data, 0.0)[-1:] == parse(data)
+
+
+def test_stray_start_byte_swallows_nothing():
+    parser = Parser()
+    parser.feed(b'\xfe', 0.0)
+    assert [frame for data in REPORTS for frame in parser.feed(data, 0.0)] == [parse(data)[0] for data in REPORTS]
+
+
+def test_length_above_250_is_no_frame():
+    parser = Parser()
+    body = bytes((251, 0x44, 0x00)) + bytes(251)
+    assert parser.feed(b'\xfe' + body + bytes((fcs(body),)), 0.0) == []
+    assert parser.held == 0
+    assert parser.counters['bad_length'] >= 1
+
+
+@pytest.mark.parametrize('kept', range(1, len(REPORTS[0])))
+def test_pause_ends_a_broken_frame_at_every_byte(kept):
+    parser = Parser(gap_s=0.1)
+    assert parser.feed(REPORTS[0][:kept], 5.0) == []
+    assert parser.feed(REPORTS[1], 5.11) == parse(REPORTS[1])
+    assert parser.counters['gaps'] == 1
+
+
+def test_shorter_pause_ends_nothing():
+    parser = Parser(gap_s=0.1)
+    parser.feed(REPORTS[0][:20], 5.0)
+    parser.feed(REPORTS[0][20:21], 5.09)
+    assert parser.feed(REPORTS[0][21:], 5.18) == parse(REPORTS[0])
+
+
+def test_time_alone_ends_a_broken_frame_and_frees_what_it_swallowed():
+    unknown = b'\xfe\xfa\x41\x99'  # of no known command, so that only time tells
+    parser = Parser(gap_s=0.1)
+    assert parser.feed(unknown + REPORTS[0] + REPORTS[1], 1.0) == []
+    assert parser.feed(b'', 1.05) == []
+    assert parser.feed(b'', 1.2) == [*parse(REPORTS[0]), *parse(REPORTS[1])]
+    assert parser.held == 0
+
+
+def test_ten_million_random_bytes_do_no_harm():
+    draw, parser, found = random.Random(7), Parser(), 0
+    for _ in range(100):
+        data = draw.randbytes(100_000)
+        for at in range(0, len(data), 10_000):
+            for frame in parser.feed(data[at : at + 10_000], 0.0):
+                decode(frame)
+                assert encode_frame(frame)[-1] < 256
+                found += 1
+            assert parser.held <= 254
+    assert 0 < found == parser.counters['frames']
+
+
+@properties
+@given(st.binary(max_size=2000), st.integers(1, 50))
+def test_every_byte_is_accounted_for(data, step):
+    parser, frames = Parser(), []
+    for at in range(0, len(data), step):
+        frames += parser.feed(data[at : at + step], 0.0)
+        assert parser.held <= 254
+    used = sum(len(encode_frame(frame)) for frame in frames)
+    assert used + parser.counters['garbage_bytes'] + parser.held == len(data)
+    assert parser.counters['frames'] == len(frames)

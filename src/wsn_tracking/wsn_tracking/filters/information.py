@@ -1,0 +1,148 @@
+"""Information form of a belief, and what one node's range and bearing contribute to it (seed 002, section 2)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from wsn_tracking.filters.belief import Belief
+from wsn_tracking.filters.cubature import regress
+from wsn_tracking.filters.linalg import matvec, solve, transpose
+from wsn_tracking.models.anchors import Floats, Mask
+from wsn_tracking.models.arrival import NEGLIGIBLE, posterior
+from wsn_tracking.models.measurement import POSITION, Function
+from wsn_tracking.models.range_bearing import innovation
+
+LOG_2PI = float(np.log(2.0 * np.pi))
+
+
+class Information(NamedTuple):
+    """y = P^-1 x and Y = P^-1 (seed 002, eq. 6), or a share of them."""
+
+    vector: Floats  # (..., n)
+    matrix: Floats  # (..., n, n)
+
+
+class Contribution(NamedTuple):
+    """What one observation adds, weighed with the probability that it is one."""
+
+    information: Information  # i and I, eq. 21
+    mu: Floats  # (...) probability of arrival, exactly 0 where nothing arrived
+
+
+# Log density of what a node reads in the loss state: (z (..., 2), R (..., 2, 2), which rows were read) -> (...)
+LossModel = Callable[[Floats, Floats, Mask], Floats]
+
+
+def zero(z: Floats, R: Floats, read: Mask) -> Floats:
+    """h = 0 in the loss state: the observation is its noise, l0 = log N(z; 0, R) (the document)."""
+    return log_normal(np.where(read, z, 0.0), R, read)
+
+
+def uniform(r_max: float) -> LossModel:
+    """Anything may be read: a range of up to r_max [m] and any bearing."""
+    cost = np.array([np.log(r_max), LOG_2PI])
+    return lambda z, R, read: -np.asarray(np.sum(np.where(read, cost, 0.0), axis=-1))
+
+
+def absent(z: Floats, R: Floats, read: Mask) -> Floats:
+    """In the loss state nothing is read: whatever is read has arrived (the document's single model)."""
+    return np.full(z.shape[:-1], -np.inf)
+
+
+def log_normal(v: Floats, S: Floats, read: Mask) -> Floats:
+    """log N(v; 0, S) over the rows that were read; the others are 0 in v and those of the unit matrix in S."""
+    L = np.linalg.cholesky(S)
+    w = solve(L, v)
+    log_root = np.sum(np.log(np.diagonal(L, axis1=-2, axis2=-1)), axis=-1)
+    return np.asarray(-0.5 * np.sum(w * w, axis=-1) - log_root - 0.5 * LOG_2PI * np.sum(read, axis=-1))
+
+
+def contribute(
+    prior: Belief,
+    h: Function,
+    z: Floats,
+    R: Floats,
+    pi_1: Floats,
+    loss: LossModel,
+    printed_form: bool = False,
+) -> Contribution:
+    """Information of one observation of each node (seed 002, eq. 10 to 12 and 16 to 21).
+
+    prior (..., n); h maps (..., K, n) to (..., K, 2) and looks at the position alone; z (..., 2) range [m] and bearing
+    [rad], NaN where not read (a row that drops out); R (..., 2, 2); pi_1 (...). With the regression's deviations O and E:
+    P_zz = O O' + E E', H = (P^-1 P_xz)' = O chol_P^-1, and the linearisation error Omega = P_zz - H P H' = E E' adds to R:
+    the posterior is the cubature Kalman filter's. `printed_form` leaves it out, as the document does.
+
+    h regressed over the position alone with kappa = n - 2 has the moments of the cubature rule over all n states, since
+    the points along the other axes of the (lower triangular) root share the mean's position.
+    """
+    m, root = prior.m[..., :POSITION], prior.chol_P[..., :POSITION, :POSITION]
+    r = regress(h, Belief(m, root), kappa=float(prior.m.shape[-1] - POSITION))
+    read = ~np.isnan(z)
+    rows = read[..., None]
+    v = np.where(read, innovation(z, r.z_hat), 0.0)
+    O, E = r.O * rows, r.E * rows
+    R = np.where(rows & read[..., None, :], R, np.eye(z.shape[-1]))
+    R_eff = R + E @ transpose(E)
+    l1 = log_normal(v, R_eff + O @ transpose(O), read)
+    mu = np.where(np.any(read, axis=-1), posterior(pi_1, l1, loss(z, R, read)), 0.0)
+    H = transpose(np.linalg.solve(transpose(root), transpose(O)))
+    weight = np.linalg.cholesky(R if printed_form else R_eff)
+    A = np.sqrt(np.where(mu < NEGLIGIBLE, 0.0, mu))[..., None, None] * np.linalg.solve(weight, H)
+    b = np.sqrt(np.where(mu < NEGLIGIBLE, 0.0, mu))[..., None] * solve(weight, v + matvec(H, m))
+    vector, matrix = np.zeros_like(prior.m), np.zeros_like(prior.chol_P)
+    vector[..., :POSITION] = matvec(transpose(A), b)
+    matrix[..., :POSITION, :POSITION] = transpose(A) @ A
+    return Contribution(Information(vector, matrix), mu)
+
+
+def to_information(belief: Belief) -> Information:
+    """y and Y of a belief: with the inverse root, Y = chol_P^-T chol_P^-1."""
+    eye = np.broadcast_to(np.eye(belief.m.shape[-1]), belief.chol_P.shape)
+    inverse_root = np.linalg.solve(belief.chol_P, eye)
+    Y = transpose(inverse_root) @ inverse_root
+    return Information(matvec(transpose(inverse_root), matvec(inverse_root, belief.m)), Y)
+
+
+def to_belief(information: Information) -> Belief:
+    """The belief of y and Y, which must be positive definite (LinAlgError): Y = U U', chol_P = U^-T, m = chol_P chol_P' y.
+
+    U is upper triangular, from the Cholesky factor of the matrix with the order of its states reversed.
+    """
+    y, Y = information
+    U = np.linalg.cholesky(Y[..., ::-1, ::-1])[..., ::-1, ::-1]
+    chol_P = np.linalg.solve(transpose(U), np.broadcast_to(np.eye(y.shape[-1]), Y.shape))
+    chol_P = np.tril(chol_P)  # what the solver leaves above is rounding
+    return Belief(matvec(chol_P, matvec(transpose(chol_P), y)), chol_P)
+
+
+def is_definite(information: Information) -> Mask:
+    """Where Y is positive definite, (...)."""
+    try:
+        np.linalg.cholesky(information.matrix)
+    except np.linalg.LinAlgError:
+        lowest = np.linalg.eigvalsh(information.matrix)[..., 0]
+        return np.asarray(lowest > 0.0)
+    return np.ones(information.vector.shape[:-1], dtype=np.bool_)
+
+
+# ---- information as one row of numbers, for whoever sends or averages it
+
+
+def packed(information: Information) -> Floats:
+    """Vector and upper triangle of the matrix, row by row, (..., n + n (n + 1) / 2)."""
+    y, Y = information
+    rows, columns = np.triu_indices(y.shape[-1])
+    return np.concatenate([y, Y[..., rows, columns]], axis=-1)
+
+
+def unpacked(row: Floats, n: int = 4) -> Information:
+    """The information of a packed row."""
+    rows, columns = np.triu_indices(n)
+    Y = np.empty((*row.shape[:-1], n, n))
+    Y[..., rows, columns] = row[..., n:]
+    Y[..., columns, rows] = row[..., n:]
+    return Information(row[..., :n], Y)

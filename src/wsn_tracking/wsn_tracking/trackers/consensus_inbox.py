@@ -1,0 +1,118 @@
+"""The shares that a node has heard: which are of use in the round that it is in, and who still counts as a neighbour."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+
+import numpy as np
+
+from wsn_tracking.errors import TrackingError
+from wsn_tracking.models.links import Links, is_cut, lost
+from wsn_tracking.sensing.values import Epoch
+from wsn_tracking.trackers.consensus_config import ConsensusConfig
+from wsn_tracking.trackers.consensus_share import Share, check_share
+
+MAX_AHEAD = 10_000  # shares of later epochs that are held
+
+
+class Inbox:
+    """Node `own`'s shares from its neighbours, whose x [m] is given; `counters` tells which were not used, and why.
+
+    Whom to wait for is settled when an epoch opens: a neighbour that has been silent for `silent_epochs` does not count,
+    one that speaks again does from the next epoch on.
+    """
+
+    def __init__(self, config: ConsensusConfig, own: int, x: float, neighbours: dict[int, float]) -> None:
+        self.own, self.neighbours = own, tuple(sorted(neighbours))
+        self.counters: Counter[str] = Counter()
+        self._scheme, self._rounds, self._silent_epochs = config.scheme, config.rounds, config.silent_epochs
+        self._links: Links = config.link.links()
+        self._x, self._neighbours_x = x, [neighbours[i] for i in self.neighbours]
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget the past: as after a start."""
+        self.active = self.neighbours
+        self._silent = dict.fromkeys(self.neighbours, 0)
+        self._epoch: Epoch | None = None
+        self._round = 0
+        self._shares: dict[tuple[int, int], Share] = {}  # by round and node
+        self._answered: set[tuple[int, int]] = set()  # what has come, of use or not
+        self._heard: set[int] = set()
+        self._ahead: list[Share] = []
+
+    def open(self, epoch: Epoch) -> None:
+        """An epoch begins."""
+        self.active = tuple(i for i in self.neighbours if self._silent[i] < self._silent_epochs)
+        self._epoch, self._round = epoch, 0
+        self._shares, self._answered, self._heard = {}, set(), set()
+        self._draw_faults(epoch.request_seq)
+        held, self._ahead = self._ahead, []
+        for share in held:
+            self.receive(share)
+
+    def receive(self, share: Share) -> None:
+        """What a neighbour has said. Of an earlier epoch it is dropped, of a later one held until that opens."""
+        try:
+            check_share(share, self._scheme)
+        except TrackingError:
+            self.counters['malformed_share'] += 1
+            return
+        if share.node_id not in self._silent:
+            self.counters['not_a_neighbour'] += 1
+        elif self._epoch is None or share.stamp_ns > self._epoch.stamp_ns:
+            if len(self._ahead) < MAX_AHEAD:
+                self._ahead.append(share)
+            else:
+                self.counters['share_overflow'] += 1
+        elif self._epoch[:3] != (share.target_id, share.request_seq, share.stamp_ns):
+            self.counters['foreign_epoch'] += 1
+        else:
+            self._take(share)
+
+    def _take(self, share: Share) -> None:
+        at = share.round, share.node_id
+        if share.node_id in self._cut:
+            self.counters['cut_share'] += 1
+            self._answered.add(at)
+            return
+        self._heard.add(share.node_id)
+        if not self._round <= share.round < self._rounds:
+            self.counters['late_share'] += 1
+        elif at in self._answered:
+            self.counters['duplicate_share'] += 1
+        elif share.node_id not in self.active:
+            self.counters['joins_later'] += 1
+        else:
+            self._answered.add(at)
+            if at in self._lost:
+                self.counters['lost_share'] += 1
+            else:
+                self._shares[at] = share
+
+    @property
+    def awaited(self) -> tuple[int, ...]:
+        """Neighbours whose share of the round is still to come."""
+        return tuple(i for i in self.active if (self._round, i) not in self._answered)
+
+    def close_round(self) -> Sequence[Share]:
+        """The round's shares, ascending by node; what comes later is late."""
+        at, self._round = self._round, self._round + 1
+        self.counters['missing_share'] += sum((at, i) not in self._answered for i in self.active)
+        return [self._shares[at, i] for i in self.active if (at, i) in self._shares]
+
+    def close(self) -> None:
+        """The epoch ends: whoever was not heard has been silent for one more."""
+        for i in self.neighbours:
+            self._silent[i] = 0 if i in self._heard else self._silent[i] + 1
+
+    def _draw_faults(self, epoch: int) -> None:
+        """What the simulated links will do in an epoch."""
+        cut = is_cut(self._links, epoch, self._neighbours_x, self._x)
+        self._cut = frozenset(i for i, down in zip(self.neighbours, cut.tolist(), strict=True) if down)
+        self._lost: frozenset[tuple[int, int]] = frozenset()
+        if self._links.loss > 0.0:
+            senders, rounds = np.array(self.neighbours, dtype=np.int64), np.arange(self._rounds)
+            fails = lost(self._links, self._links.seed, epoch, rounds[:, None], senders, self.own)
+            self._lost = frozenset((t, self.neighbours[j]) for t, j in np.argwhere(fails).tolist())

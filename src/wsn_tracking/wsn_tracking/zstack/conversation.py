@@ -1,0 +1,64 @@
+"""The conversation with a sink that is up: it is pinged when it is silent, and told what the host wants said."""
+
+from __future__ import annotations
+
+import time
+from collections import deque
+
+from wsn_tracking.errors import TrackingError
+from wsn_tracking.zstack.commands import AfDataRequestRsp, Command
+from wsn_tracking.zstack.dialogue import Dialogue
+from wsn_tracking.zstack.queues import Outbox
+from wsn_tracking.zstack.startup import ping
+
+Questions = deque[tuple[Command, type[Command]]]
+
+
+class Watchdog:
+    """Pings a silent sink; after so many misses it is lost."""
+
+    def __init__(self, dialogue: Dialogue) -> None:
+        self._dialogue = dialogue
+        self._misses = 0
+        self._pinged = 0.0
+
+    @property
+    def due(self) -> float:
+        """When to ping, if nothing comes until then (time.monotonic)."""
+        return max(self._dialogue.heard, self._pinged) + self._dialogue.timeout.idle
+
+    def look(self) -> None:
+        """Ping if it is time; TrackingError if the sink is lost."""
+        if time.monotonic() < self.due:
+            return
+        dialogue = self._dialogue
+        if dialogue.heard > self._pinged:
+            self._misses = 0
+        self._pinged = time.monotonic()
+        dialogue.counters['pings'] += 1
+        try:
+            ping(dialogue)
+        except TrackingError:
+            if dialogue.heard > self._pinged:  # no answer, yet it speaks: it has restarted, or is busy
+                return
+            self._misses += 1
+            dialogue.counters['pings_missed'] += 1
+            if self._misses >= dialogue.timeout.misses:
+                raise TrackingError(f'the sink has not answered {self._misses} pings: is it still there?') from None
+
+
+def speak(dialogue: Dialogue, outbox: Outbox, questions: Questions) -> None:
+    """Say what the host wants said, as far as it is due; a refusal is counted, not raised."""
+    while questions and not dialogue.restarted:
+        _try(dialogue, *questions.popleft())
+    while not dialogue.restarted and (message := outbox.due(time.monotonic())) is not None:
+        answer = _try(dialogue, message, AfDataRequestRsp)
+        if not isinstance(answer, AfDataRequestRsp) or answer.status != 0:
+            outbox.failed(message.trans_id)
+
+
+def _try(dialogue: Dialogue, question: Command, answer: type[Command]) -> Command | None:
+    try:
+        return dialogue.ask(question, answer)
+    except TrackingError:
+        return None
