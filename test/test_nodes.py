@@ -105,3 +105,29 @@ def test_the_others_go_on_when_an_estimator_is_killed(tmp_path):
     outputs = json.loads(scores.read_text())['outputs']
     assert outputs['fused_1']['epochs'] == outputs['fused_3']['epochs'] == 115
     assert outputs['local_2']['epochs'] < 115
+
+
+def test_a_restarted_estimator_takes_part_within_5_s(tmp_path):
+    """SIGKILL, then started anew in mid-run: the others go on meanwhile, and fuse its estimates again."""
+    graph = {p.name: p for p in graphs.replay(str(live.A_LOOP), rate=4.0)}
+    with (
+        live.private_domain() as environment,
+        observing(environment) as observer,
+        live.started(list(graph.values()), environment) as running,
+    ):
+        fused = observer.collect(TargetEstimate, 'estimate/fused_1', qos.ESTIMATES)
+
+        def reaches(condition):
+            return lambda: any(condition(e) for e in fused)
+
+        observer.until(reaches(lambda e: e.request_seq >= 8), TIMEOUT, 'epoch 8 of fused_1')
+        running['estimator_2'].kill()
+        observer.until(reaches(lambda e: list(e.contributors) == [1, 3]), TIMEOUT, 'fusion without estimator 2')
+        alone = len(fused)
+        running['again'] = live.start(graph['estimator_2'], environment, tmp_path)
+        back = reaches(lambda e: e.request_seq > fused[alone - 1].request_seq and 2 in e.contributors)
+        observer.until(back, 5.0, 'estimator 2 in fused_1 again')
+        joined = fused[-1].request_seq
+        observer.until(reaches(lambda e: e.request_seq >= joined + 8), TIMEOUT, 'eight more epochs of fused_1')
+    assert [e.request_seq for e in fused] == list(range(fused[0].request_seq, fused[-1].request_seq + 1))
+    assert all(2 in e.contributors for e in fused if e.request_seq >= joined)

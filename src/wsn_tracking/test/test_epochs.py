@@ -208,6 +208,19 @@ def test_garbage_fills_no_memory_and_does_not_stop_the_target(monkeypatch):
     assert assembler.counters['overflow'] > 1000
 
 
+def test_what_lies_furthest_in_the_future_gives_way(monkeypatch):
+    """Of epochs that no request has asked for yet, the next are the likeliest to be real."""
+    monkeypatch.setattr(open_epochs, 'MAX_OPEN', 3)
+    assembler = EpochAssembler(NODES)
+    for number in (11, 12, 500, 900, 13, 14, 800):
+        give(assembler, packet(1, 0, number, 0.0))
+    assert assembler.counters['overflow'] == 4
+    for k, number in enumerate((11, 12, 13)):
+        give(assembler, Request(stamp(k), 1, number))
+        give(assembler, end(number, [packet(1, 0, number, 0.0)], float(k)))
+    assert [len(epoch.measurements) for epoch in assembler.closed(0.0)] == [1, 1, 1]
+
+
 def test_packets_without_end_of_one_epoch_do_not_keep_it_open(monkeypatch):
     monkeypatch.setattr(open_epochs, 'MAX_SIZE', 50)
     assembler = EpochAssembler(NODES, loss_timeout=1.0)
@@ -584,12 +597,15 @@ def test_equal_numbers_of_two_runs_are_told_apart_by_their_stamps():
 
 def test_a_node_that_was_given_up_is_waited_for_in_a_new_run():
     assembler = EpochAssembler(NODES, loss_timeout=1.0)
-    for k in range(5):
+    for k in range(4):
         give(assembler, Request(stamp(k), 1, k))
-    assert len(assembler.closed(9.0)) == 5
+        give(assembler, report(k, [], (1, 2), float(k)))
+    assert len(assembler.closed(9.0)) == 4
+    assert assembler.counters['unlisted_epoch'] == 3
     give(assembler, Request(stamp(0), 1, 0), 9.0)
+    give(assembler, report(0, [], (1, 2), 0.0), 9.0)
     assert assembler.closed(9.5) == []
-    assert assembler.waits_for == 'epoch 0: the list of nodes [1, 2, 3]'
+    assert assembler.waits_for == 'epoch 0: the list of nodes [3]'
 
 
 def test_it_says_that_it_waits_for_the_first_request():

@@ -12,11 +12,10 @@ from wsn_tracking.zstack.records import RangeRecord, RssiRecord
 from wsn_tracking.zstack.reports import Report
 
 EXAMPLE = b'$WSN,1,3,1,1,1000,7,-60,103,1*7A'
-MEANING = Report(
-    Payload(PayloadType.RSSI, 3, 1, 1000, (RssiRecord(1, 7, -60),)), lqi=103, hops=1, per_robot=True
-)
+MEANING = Report(Payload(PayloadType.RSSI, 3, 1, 1000, (RssiRecord(1, 7, -60),)), lqi=103, hops=1, per_robot=True)
 U8, U16, U32 = st.integers(0, 255), st.integers(0, 2**16 - 1), st.integers(0, 2**32 - 1)
-records = st.builds(RssiRecord, U16, st.none() | st.integers(0, 0xFFFE), st.none() | st.integers(-127, 127))
+AGE, RSSI = st.none() | st.integers(0, 0xFFFE), st.none() | st.integers(-127, 127)
+records = st.builds(RssiRecord, U16, AGE, RSSI, st.just(1), st.none(), st.none())
 reports = st.builds(
     lambda node, seq, t_ms, record, lqi, hops: Report(
         Payload(PayloadType.RSSI if record else PayloadType.HEARTBEAT, node, seq, t_ms, record),

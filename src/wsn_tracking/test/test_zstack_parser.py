@@ -1,4 +1,5 @@
 import random
+from itertools import pairwise
 
 import pytest
 from hypothesis import assume, given
@@ -32,7 +33,7 @@ def valid_at(stream, at):
 def test_frames_do_not_depend_on_how_the_stream_is_split(cuts):
     parser, frames = Parser(), []
     edges = [0, *sorted(cuts), len(STREAM)]
-    for a, b in zip(edges, edges[1:], strict=False):
+    for a, b in pairwise(edges):
         frames += parser.feed(STREAM[a:b], 0.0)
     assert frames == FRAMES
     assert parser.held == 0

@@ -47,7 +47,7 @@ def add_tracking(command: argparse.ArgumentParser, *, scores: bool = True) -> No
     command.add_argument('--config', default='', help=f'parameter file or name ({named}); default: what the bag names')
     command.add_argument('--channel', metavar='FILE', default='', help='radios as `calibrate` found them')
     command.add_argument('--set', action='append', default=[], metavar='NAME=VALUE', help='set one parameter')
-    command.add_argument('--target', type=target, default=-1, metavar='ID', help='target (default: the first in the bag)')
+    command.add_argument('--target', type=target, default=-1, metavar='ID', help='default: the first in the bag')
     command.add_argument('--skip', type=seconds, default=5.0, help='seconds that are not scored (default: 5)')
     if not scores:
         return

@@ -9,7 +9,8 @@ import numpy as np
 
 from wsn_tracking.filters.belief import Belief
 from wsn_tracking.filters.cubature import regress
-from wsn_tracking.filters.linalg import matvec, solve, transpose
+from wsn_tracking.filters.linalg import matvec, transpose
+from wsn_tracking.filters.triangular import forward, inverse
 from wsn_tracking.models.anchors import Floats, Mask
 from wsn_tracking.models.arrival import NEGLIGIBLE, posterior
 from wsn_tracking.models.measurement import POSITION, Function
@@ -55,7 +56,7 @@ def absent(z: Floats, R: Floats, read: Mask) -> Floats:
 def log_normal(v: Floats, S: Floats, read: Mask) -> Floats:
     """log N(v; 0, S) over the rows that were read; the others are 0 in v and those of the unit matrix in S."""
     L = np.linalg.cholesky(S)
-    w = solve(L, v)
+    w = forward(L, v[..., None])[..., 0]
     log_root = np.sum(np.log(np.diagonal(L, axis1=-2, axis2=-1)), axis=-1)
     return np.asarray(-0.5 * np.sum(w * w, axis=-1) - log_root - 0.5 * LOG_2PI * np.sum(read, axis=-1))
 
@@ -71,10 +72,11 @@ def contribute(
 ) -> Contribution:
     """Information of one observation of each node (seed 002, eq. 10 to 12 and 16 to 21).
 
-    prior (..., n); h maps (..., K, n) to (..., K, 2) and looks at the position alone; z (..., 2) range [m] and bearing
-    [rad], NaN where not read (a row that drops out); R (..., 2, 2); pi_1 (...). With the regression's deviations O and E:
-    P_zz = O O' + E E', H = (P^-1 P_xz)' = O chol_P^-1, and the linearisation error Omega = P_zz - H P H' = E E' adds to R:
-    the posterior is the cubature Kalman filter's. `printed_form` leaves it out, as the document does.
+    prior (..., n); h maps (..., K, n) to (..., K, 2) and looks at the position alone; z (..., 2) range [m] and
+    bearing [rad], NaN where not read (a row that drops out); R (..., 2, 2); pi_1 (...). With the deviations O and E of
+    the regression: P_zz = O O' + E E', H = (P^-1 P_xz)' = O chol_P^-1, and the linearisation error
+    Omega = P_zz - H P H' = E E' adds to R, which makes the posterior that of the cubature Kalman filter.
+    `printed_form` leaves it out, as the document does.
 
     h regressed over the position alone with kappa = n - 2 has the moments of the cubature rule over all n states, since
     the points along the other axes of the (lower triangular) root share the mean's position.
@@ -82,17 +84,17 @@ def contribute(
     m, root = prior.m[..., :POSITION], prior.chol_P[..., :POSITION, :POSITION]
     r = regress(h, Belief(m, root), kappa=float(prior.m.shape[-1] - POSITION))
     read = ~np.isnan(z)
-    rows = read[..., None]
     v = np.where(read, innovation(z, r.z_hat), 0.0)
-    O, E = r.O * rows, r.E * rows
-    R = np.where(rows & read[..., None, :], R, np.eye(z.shape[-1]))
+    O, E = r.O * read[..., None], r.E * read[..., None]
+    R = np.where(read[..., None] & read[..., None, :], R, np.eye(z.shape[-1]))
     R_eff = R + E @ transpose(E)
     l1 = log_normal(v, R_eff + O @ transpose(O), read)
     mu = np.where(np.any(read, axis=-1), posterior(pi_1, l1, loss(z, R, read)), 0.0)
-    H = transpose(np.linalg.solve(transpose(root), transpose(O)))
-    weight = np.linalg.cholesky(R if printed_form else R_eff)
-    A = np.sqrt(np.where(mu < NEGLIGIBLE, 0.0, mu))[..., None, None] * np.linalg.solve(weight, H)
-    b = np.sqrt(np.where(mu < NEGLIGIBLE, 0.0, mu))[..., None] * solve(weight, v + matvec(H, m))
+    H = O @ inverse(root)
+    rows = np.concatenate([H, (v + matvec(H, m))[..., None]], axis=-1)
+    rows = forward(np.linalg.cholesky(R if printed_form else R_eff), rows)
+    rows = np.sqrt(np.where(mu < NEGLIGIBLE, 0.0, mu))[..., None, None] * rows
+    A, b = rows[..., :POSITION], rows[..., POSITION]
     vector, matrix = np.zeros_like(prior.m), np.zeros_like(prior.chol_P)
     vector[..., :POSITION] = matvec(transpose(A), b)
     matrix[..., :POSITION, :POSITION] = transpose(A) @ A
@@ -101,21 +103,19 @@ def contribute(
 
 def to_information(belief: Belief) -> Information:
     """y and Y of a belief: with the inverse root, Y = chol_P^-T chol_P^-1."""
-    eye = np.broadcast_to(np.eye(belief.m.shape[-1]), belief.chol_P.shape)
-    inverse_root = np.linalg.solve(belief.chol_P, eye)
+    inverse_root = inverse(belief.chol_P)
     Y = transpose(inverse_root) @ inverse_root
     return Information(matvec(transpose(inverse_root), matvec(inverse_root, belief.m)), Y)
 
 
 def to_belief(information: Information) -> Belief:
-    """The belief of y and Y, which must be positive definite (LinAlgError): Y = U U', chol_P = U^-T, m = chol_P chol_P' y.
+    """The belief of y and Y: Y = U U', chol_P = U^-T, m = chol_P chol_P' y; LinAlgError where Y is not definite.
 
     U is upper triangular, from the Cholesky factor of the matrix with the order of its states reversed.
     """
     y, Y = information
     U = np.linalg.cholesky(Y[..., ::-1, ::-1])[..., ::-1, ::-1]
-    chol_P = np.linalg.solve(transpose(U), np.broadcast_to(np.eye(y.shape[-1]), Y.shape))
-    chol_P = np.tril(chol_P)  # what the solver leaves above is rounding
+    chol_P = inverse(transpose(U))
     return Belief(matvec(chol_P, matvec(transpose(chol_P), y)), chol_P)
 
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from wsn_tracking.filters import gram
 from wsn_tracking.filters.belief import Belief
+from wsn_tracking.filters.blocks import in_blocks
 from wsn_tracking.filters.cubature import Regression, regress
 from wsn_tracking.filters.linalg import matvec, solve, transpose, tria
 from wsn_tracking.models.anchors import Floats, Mask
@@ -52,12 +53,17 @@ def update(
     as if the row were not there; with no row at all the prediction is the estimate. kappa: see `points`;
     offsets and seen: see `predicted_readings`.
     """
-    missing = np.isnan(z)
+
+    def one_pass(m: Floats, chol_P: Floats, about_m: Floats, about_S: Floats, z: Floats, root_R: Floats) -> Belief:
+        prior = Belief(m, chol_P)
+        about = prior if about_m is m else Belief(about_m, about_S)
+        r = predicted_readings(prior, about, h, kappa, offsets, seen)
+        return _condition(prior, z, np.isnan(z), r, root_R, form)
+
     posterior = belief
     for _ in range(passes):
-        r = predicted_readings(belief, posterior, h, kappa, offsets, seen)
         root_R = noise(posterior.m[..., None, :])[..., 0, :]
-        posterior = _condition(belief, z, missing, r, root_R, form)
+        posterior = in_blocks(one_pass, [*belief, *posterior, z, root_R], (1, 2, 1, 2, 1, 1))
     return posterior
 
 

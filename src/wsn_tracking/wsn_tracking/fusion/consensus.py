@@ -1,8 +1,8 @@
 """Consensus schemes: what a node tells its neighbours, and what it makes of the agreement (seed 002, section 2.2).
 
-Everything here is one row of packed information a node, (..., d); schemes differ in the row that they average and in how
-the average becomes a posterior. n is the number of live nodes that can reach each other (the document's N, which is wrong
-as soon as one dies or the network falls apart).
+Everything here is one row of packed information a node, (..., d); schemes differ in the row that they average and in
+how the average becomes a posterior. n is the number of live nodes that can reach each other: the document's N is wrong
+as soon as one dies or the network falls apart.
 """
 
 from __future__ import annotations
@@ -68,7 +68,8 @@ def accelerated(mixed: Floats, before: Floats, omega: Floats | float) -> Floats:
 
 def polynomial(W: Floats, omegas: Floats) -> Floats:
     """The matrix of all Chebyshev rounds, for weights (..., N, N) and factors (..., L)."""
-    before = now = np.broadcast_to(np.eye(W.shape[-1]), W.shape)
+    before: Floats = np.broadcast_to(np.eye(W.shape[-1]), W.shape)
+    now = before
     for t in range(omegas.shape[-1]):
         before, now = now, accelerated(W @ now, before, omegas[..., t, None, None])
     return np.asarray(now)

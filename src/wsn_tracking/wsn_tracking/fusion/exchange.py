@@ -39,6 +39,8 @@ class Exchange:
     def __init__(self, scheme: Scheme, rounds: int, graph: Mask) -> None:
         self.scheme, self.rounds, self.graph = scheme, rounds, graph
         self._at: tuple[Mask, Mask] | None = None  # heard and active of the matrices that are kept
+        self._all: Floats
+        self._known: Mask
         self.omegas = np.ones((*graph.shape[:-2], rounds))
         if scheme.accelerated:
             rho = contraction(metropolis(graph, degrees(graph)))
@@ -73,7 +75,8 @@ class Exchange:
         """Round by round, with whatever shares arrive in each."""
         degree = degrees(active)
         known = reached(active, 0)
-        items = new = known
+        items: Mask = known
+        new: Mask = known
         value: Floats = x
         before: Floats = x
         mixed: Floats = x
@@ -84,8 +87,8 @@ class Exchange:
                 new = _any(A, new) & ~items
                 items = items | new
             else:
-                mixed = metropolis(A, degree) @ value
-                after = mixed
+                after: Floats = metropolis(A, degree) @ value
+                mixed = after
                 if self.scheme.accelerated:
                     told = np.any(A & fallen_back[..., None, :], axis=-1)
                     fallen_back = fallen_back | told | np.any(active & ~A, axis=-1)

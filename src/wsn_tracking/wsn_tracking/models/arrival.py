@@ -22,7 +22,7 @@ class Arrival(NamedTuple):
 
 def chain(arrival: Arrival, uniform: Floats) -> Mask:
     """Which observations arrive, (..., K, N), of uniform draws (..., K, N): True where r = 1."""
-    r = np.empty(uniform.shape, dtype=np.bool_)
+    r: Mask = np.empty(uniform.shape, dtype=np.bool_)
     if r.shape[-2]:
         r[..., 0, :] = uniform[..., 0, :] < arrival.start
     for k in range(1, r.shape[-2]):

@@ -24,7 +24,7 @@ def reached(graph: Mask, hops: int) -> Mask:
     N = graph.shape[-1]
     out = np.broadcast_to(np.eye(N, dtype=np.bool_), graph.shape)
     step = graph | out
-    for bit in bin(min(hops, N))[2:]:  # after N hops there is nobody left to reach
+    for bit in f'{min(hops, N):b}':  # after N hops there is nobody left to reach
         out = _joined(out, out)
         if bit == '1':
             out = _joined(out, step)

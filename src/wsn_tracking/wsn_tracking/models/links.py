@@ -16,8 +16,8 @@ FIRST, SECOND = 0xBF58476D1CE4E5B9, 0x94D049BB133111EB
 def hashed_uniform(*words: ArrayLike) -> Floats:
     """A uniform number in [0, 1) for each combination of integers, broadcast together: a draw keyed by all of them.
 
-    SplitMix64's mixer (Steele, Lea and Flood 2014) over one word after another: it costs nothing to ask for one draw out
-    of many, or for all of a million at once.
+    SplitMix64's mixer (Steele, Lea and Flood 2014) over one word after another: one draw out of many costs no more than
+    its share of all of them.
     """
     with np.errstate(over='ignore'):
         h = np.zeros((), dtype=np.uint64)

@@ -1,7 +1,7 @@
 """Range and bearing of a target, each node looking from its own place at its own belief.
 
-Unlike the functions of `measurement`, where all nodes look at one state, here a node is an element of the batch: nodes at
-positions (..., 3) [m] map states (..., K, n) to (..., K, 2), range [m] and bearing [rad] from the x axis, counter-clockwise.
+Unlike in `measurement`, where all nodes look at one state, a node is an element of the batch here: nodes at positions
+(..., 3) [m] map states (..., K, n) to (..., K, 2), range [m] and bearing [rad] from the x axis, counter-clockwise.
 """
 
 from __future__ import annotations

@@ -23,7 +23,7 @@ from wsn_tracking.models.matern import matern
 LENGTH = 3.0  # [m] of the field before any data: as wide as a room
 LENGTH_FACTOR, SCALE_FACTOR = 2.5, 3.0  # what one standard deviation of these guesses multiplies or divides by
 LENGTHS = (0.15, 300.0)  # [m] that are considered
-LEAST_SHARE = 1e-3  # of the readings' scale: smaller amplitudes and noises make no difference
+SHARES = (1e-3, 1e3)  # of the readings' scale, for amplitude and noise: beyond, nothing changes
 PASSES = 60
 
 
@@ -104,8 +104,8 @@ def most_likely(first: Hyper, data: Data, mean: Floats, spread: Floats, scale: f
         doubt = np.square((theta - centre) / widths).sum()
         return cost(hyper_of(theta), data, mean, spread) + 0.5 * float(doubt)
 
-    least = np.log(LEAST_SHARE * scale)
-    bounds = [(least, None), (least, None), tuple(np.log(LENGTHS))][: centre.size]
+    shares = np.log(scale) + np.log(SHARES)
+    bounds = np.stack([shares, shares, np.log(LENGTHS)])[: centre.size]
     found = minimize(posterior, np.log(order(first)), method='L-BFGS-B', bounds=bounds, options={'maxiter': PASSES})
     return hyper_of(found.x)
 

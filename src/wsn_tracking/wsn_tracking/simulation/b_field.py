@@ -1,7 +1,7 @@
 """Scenario of seed 002, section 3: a random field whose nodes see range and bearing of a passing target, with gaps.
 
-Functions take any leading axes. The recorded scenario draws its field and walk by the configuration's seed, and what the
-nodes read by the recording's, epoch by epoch.
+Functions take any leading axes. The recorded scenario draws its field and walk by the configuration's seed, and what
+the nodes read by the recording's, epoch by epoch.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ class FieldConfig:
     nodes: int = param(50, 'N: sensing nodes', '', 1, 65535)
     width: float = param(350.0, 'of the field', 'm', 1.0, 1e6)
     depth: float = param(400.0, 'of the field', 'm', 1.0, 1e6)
-    radius: float = param(100.0, 'a field is drawn anew until it is connected at this radio radius; 0: any', 'm', 0.0, 1e6)
+    radius: float = param(100.0, 'a field is drawn anew until this radio radius connects it; 0: any', 'm', 0.0, 1e6)
     epochs: int = param(50, 'of one second each', '', 1, 100000)
     seed: int = param(1, 'of the field and the walk', '', 0)
     mean: tuple[float, ...] = param((50.0, 50.0, 10.0, 10.0), 'of the start: x, y, vx, vy', 'm and m/s')
@@ -160,7 +160,7 @@ def _packets(
         z, _ = read(config, scenario.anchors.positions, scenario.truth[k], arrived[k], draws)
         heard = arrived[k] if config.faults == 'absent' else np.ones(ids.size, dtype=np.bool_)
         yield [
-            RangeBearing(stamp, node, target_id, k, k, *row, covariance, tells)
-            for node, row, tells in zip(ids.tolist(), z.tolist(), heard.tolist(), strict=True)
+            RangeBearing(stamp, node, target_id, k, k, distance, bearing, covariance, tells)
+            for node, (distance, bearing), tells in zip(ids.tolist(), z.tolist(), heard.tolist(), strict=True)
             if not (node in config.dead and k >= config.dead_from)
         ]

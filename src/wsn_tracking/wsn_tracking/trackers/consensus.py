@@ -1,7 +1,7 @@
 """System B over many runs at once: every node of every run in one array (seed 002, section 2.3).
 
-The nodes of a live network do the same by messages (`trackers.consensus_node`); where no share is lost, and where losses
-are drawn by the same keys, both give the same numbers.
+The nodes of a live network do the same by messages (`trackers.consensus_node`). Both give the same numbers, losses
+included, since these are drawn by the same keys.
 """
 
 from __future__ import annotations
@@ -119,7 +119,7 @@ class Network:
     def step(
         self, nodes: Nodes, epoch: int, dt: float, z: Floats, R: Floats, alive: Mask | None = None
     ) -> tuple[Nodes, Agreement]:
-        """One epoch: z (..., N, 2) with NaN where nothing was read, R (..., 2, 2); nodes that are not alive say nothing."""
+        """One epoch: z (..., N, 2), NaN where nothing was read; R (..., 2, 2); alive (..., N), by default all."""
         local = local_step(nodes.belief, nodes.mu, dt, z, R, self.positions, self.config, self._loss_model)
         scheme = self.exchange.scheme
         active = self.graph & (nodes.silent < self.config.silent_epochs)

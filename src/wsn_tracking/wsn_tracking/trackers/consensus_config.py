@@ -69,8 +69,8 @@ class ConsensusConfig:
 
     scheme: str = param(
         'icf',
-        'icf: prior and contributions are averaged; cm: contributions alone (the document); chebyshev: icf accelerated; '
-        'flood: contributions are forwarded by name; hcmci: never overconfident',
+        'icf: prior and contributions are averaged; cm: contributions alone (the document); chebyshev: icf '
+        'accelerated; flood: contributions are forwarded by name; hcmci: never overconfident',
         choices=('icf', 'cm', 'chebyshev', 'flood', 'hcmci'),
     )
     rounds: int = param(20, 'L: exchanges with the neighbours in an epoch; 0: every node on its own', '', 0, 1000)

@@ -1,4 +1,4 @@
-"""The shares that a node has heard: which are of use in the round that it is in, and who still counts as a neighbour."""
+"""The shares that a node has heard: which are of use in its round, and who still counts as a neighbour."""
 
 from __future__ import annotations
 
@@ -19,8 +19,8 @@ MAX_AHEAD = 10_000  # shares of later epochs that are held
 class Inbox:
     """Node `own`'s shares from its neighbours, whose x [m] is given; `counters` tells which were not used, and why.
 
-    Whom to wait for is settled when an epoch opens: a neighbour that has been silent for `silent_epochs` does not count,
-    one that speaks again does from the next epoch on.
+    Whom to wait for is settled when an epoch opens: a neighbour that has been silent for `silent_epochs` does not
+    count, one that speaks again does from the next epoch on.
     """
 
     def __init__(self, config: ConsensusConfig, own: int, x: float, neighbours: dict[int, float]) -> None:

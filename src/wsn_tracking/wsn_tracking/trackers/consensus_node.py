@@ -8,6 +8,7 @@ a round has lasted too long.
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -39,13 +40,17 @@ class _Now(NamedTuple):
 
 
 class ConsensusNode:
-    """Node `node_id` of system B; its neighbours are the anchors within the radius."""
+    """Node `node_id` of system B; its neighbours are the anchors within the radius, or those that are named."""
 
-    def __init__(self, config: ConsensusConfig, anchors: Anchors, node_id: int) -> None:
+    def __init__(
+        self, config: ConsensusConfig, anchors: Anchors, node_id: int, neighbours: Sequence[int] = ()
+    ) -> None:
         self.config = config.checked()
         self.node_id = node_id
         self.anchor = anchors.select([node_id])
         graph, row = adjacency(anchors.positions, config.radius), int(anchors.rows(node_id))
+        if neighbours:
+            graph[row] = graph[:, row] = np.isin(anchors.ids, anchors.select(neighbours).ids)
         x = dict(zip(anchors.ids[graph[row]].tolist(), anchors.positions[graph[row], 0].tolist(), strict=True))
         self.inbox = Inbox(config, node_id, float(anchors.positions[row, 0]), x)
         self._all = bitmap(anchors.ids.tolist())
@@ -53,6 +58,8 @@ class ConsensusNode:
         self._scheme = SCHEMES[config.scheme]
         self._omegas: list[float] = []
         if self._scheme.accelerated:
+            if neighbours:
+                raise TrackingError('chebyshev needs the whole graph: take neighbours by `radius`, or another `scheme`')
             rho = float(contraction(metropolis(graph, degrees(graph))))
             check_rounds(rho, config.rounds)
             self._omegas = chebyshev_factors(rho, config.rounds)

@@ -2,8 +2,8 @@
 
 The radio repeats messages (APS retries, relayed broadcasts) and lets them overtake each other. A window remembers the
 last 64 numbers of a node and the node's time of each; numbers count modulo 2^16, times modulo 2^32 ms. A repeated
-message is the same message: same number, same time, not much later. A node that has restarted begins both anew; then its
-clock cannot show more than the time since it was last heard.
+message is the same message: same number, same time, not much later. A node that has restarted begins both anew; then
+its clock cannot show more than the time since it was last heard.
 """
 
 from __future__ import annotations
