@@ -27,7 +27,7 @@ def _graph(context):
 
 ARGUMENTS = {
     'scenario': ('a_loop', 'experiment to simulate'),
-    'seed': ('0', 'of the radio noise'),
+    'seed': ('0', 'of the radio noise, and of a walk that is drawn'),
     'rate': ('1.0', 'multiple of real time, or max'),
     'config': ('', 'parameter file or name of a configuration; empty: that of the scenario'),
     'record': ('', 'folder for a bag of what the world sends; empty: none'),

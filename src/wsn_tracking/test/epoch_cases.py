@@ -14,7 +14,7 @@ NODES = (1, 2, 3)
 # Every message that is given is counted under one of these, opens an epoch as its request, or is held.
 COUNTED = (
     'used', 'invalid', 'lists', 'late', 'late_list', 'late_request', 'duplicate', 'duplicate_request', 'other_target',
-    'other_node', 'unknown_node', 'before_start', 'overflow', 'discarded_by_reset',
+    'other_node', 'unknown_node', 'before_start', 'overflow', 'discarded_by_reset', 'stray_request',
 )  # fmt: skip
 NOT_MESSAGES = ('epochs', 'lost', 'lost_request', 'unlisted_epoch', 'renumbered')
 

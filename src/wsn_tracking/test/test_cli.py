@@ -147,6 +147,7 @@ def test_a_wrong_call_ends_with_2_and_says_what_was_expected(call, arguments, wo
         ('evaluate BAGS/first --set noise.q_max=[', 'no readable YAML'),
         ('evaluate BAGS/first --set a\nb=1', 'there is no parameter `a b`'),
         ('evaluate BAGS/first --set nodes=[77]', 'nodes [77] are not among the anchors'),
+        ('evaluate BAGS/first --channel BAGS/none', 'BAGS/none'),
         ('evaluate BAGS/first --target 3', 'first has no target 3: expected one of [1]'),
         ('evaluate BAGS/first --json BAGS/first/metadata.yaml/x', 'cannot be written'),
         ('evaluate BAGS/ranged --set input=rssi', '`input` is rssi, but the bag enters at level range'),

@@ -84,7 +84,6 @@ def test_epochs_do_not_depend_on_the_order_of_arrival(rows, kind, first, rng):
     assert assembler.counters['used'] == sum(map(sum, rows))
     assert set(assembler.counters) <= {'used', 'epochs', 'lists'}
     assert assembler.waits_for == ''
-    assert assembler.deadline() is None
 
 
 @given(counts, lists, st.randoms(use_true_random=False))
@@ -380,7 +379,6 @@ def test_a_lost_measurement_closes_its_epoch_after_the_timeout_alone():
     give(assembler, Request(stamp(0), 1, 0), 10.0)
     give(assembler, end(0, [packet(1, 0, 0, 0.0), packet(2, 4, 0, 0.0)], 0.0), 11.0)
     give(assembler, packet(1, 0, 0, 0.0), 11.5)
-    assert assembler.deadline() == 13.5
     assert assembler.waits_for == 'epoch 0: the measurements (node, seq) [(2, 4)]'
     assert assembler.closed(13.4) == []
     (epoch,) = assembler.closed(13.5)
@@ -604,15 +602,31 @@ def test_a_node_that_was_given_up_is_waited_for_in_a_new_run():
     assert assembler.counters['unlisted_epoch'] == 3
     give(assembler, Request(stamp(0), 1, 0), 9.0)
     give(assembler, report(0, [], (1, 2), 0.0), 9.0)
+    give(assembler, Request(stamp(1), 1, 1), 9.0)
     assert assembler.closed(9.5) == []
     assert assembler.waits_for == 'epoch 0: the list of nodes [3]'
+
+
+def test_one_request_with_a_bad_stamp_is_no_new_run():
+    """A clock of 1970 in the midst of a run: the request and what names it are counted, the run goes on."""
+    assembler = EpochAssembler(NODES, lossless=True)
+    for k in (0, 1):
+        sent = [packet(1, k, k, float(k))]
+        for message in (Request(stamp(k), 1, k), *sent, end(k, sent, float(k))):
+            give(assembler, message)
+    give(assembler, Request(0, 1, 7))
+    assert [epoch.request_seq for epoch in assembler.closed(0.0)] == [0, 1]
+    sent = [packet(1, 2, 2, 2.0)]
+    for message in (Request(stamp(2), 1, 2), *sent, end(2, sent, 2.0)):
+        give(assembler, message)
+    assert assembler.closed(0.0) == [Epoch(1, 2, stamp(2), (sent[0],))]
+    assert (assembler.runs, assembler.counters['stray_request']) == (0, 1)
 
 
 def test_it_says_that_it_waits_for_the_first_request():
     assembler = EpochAssembler(NODES)
     give(assembler, packet(1, 0, 0, 0.0))
     assert assembler.waits_for == 'the first request'
-    assert assembler.deadline() is None
 
 
 def test_ranges_are_assembled_like_signal_strengths():

@@ -37,7 +37,6 @@ def test_one_estimator_alone_never_waits():
     assert alone.waiting
     assert told(alone.ready(0.0)) == [(0, (1,))]
     assert not alone.waiting
-    assert alone.deadline() is None
 
 
 def test_an_epoch_waits_for_every_peer_and_no_longer():
@@ -45,7 +44,6 @@ def test_an_epoch_waits_for_every_peer_and_no_longer():
     g.peer_estimate(3, estimate(3, 0))
     g.own_estimate(estimate(1, 0), 5.0)
     assert g.ready(5.5) == []
-    assert g.deadline() == 6.0
     g.peer_estimate(2, estimate(2, 0))
     assert told(g.ready(5.5)) == [(0, (1, 2, 3))]
     assert g.counters == {}
@@ -207,6 +205,4 @@ def test_every_peer_estimate_is_fused_counted_once_or_held(steps):
         assert all(len({e.request_seq for e in group}) == 1 for group in ready)
         counted = sum(g.counters[c] for c in ('late_peer', 'duplicate_peer', 'unknown_peer', 'peer_overflow'))
         assert given_ == fused + counted + g.held
-        assert g.waiting == (g.deadline() is not None)
-        assert g.deadline() is None or g.deadline() > now
     assert out == sorted(set(out))

@@ -197,6 +197,7 @@ def test_a_feed_that_is_not_known_yet_leaves_the_target_open():
     unknown = Source('live', 'rssi', (1, 2), (), {}, ('request', 'rssi', 'epoch_end'))
     assert plan_random_q(unknown).target_id == -1
     assert plan_random_q(unknown, target_id=6).target_id == 6
+    assert unknown.of_target(-1) == unknown
 
 
 # ---- the graph

@@ -119,3 +119,26 @@ def test_messages_held_up_in_the_host_are_no_restart():
     host = Host()
     host.hear(0, 10**6, 5_000)
     assert [host.hear(k, 10**6 + 100 * k, 65_000) for k in range(1, 100)] == [NEW] * 99
+
+
+def test_messages_from_before_the_first_one_are_new():
+    host = Host()
+    verdicts = [host.hear(seq, 10**6 + 100 * seq) for seq in (10, 7, 8, 9, 7, 11)]
+    assert verdicts == [NEW, REORDERED, REORDERED, REORDERED, DUPLICATE, NEW]
+    assert host.lost == 0
+
+
+def test_restart_among_numbers_that_were_lost_is_seen_by_the_time():
+    """Numbers 1 to 4 of the first run never came; after the restart they do, with times that do not fit between."""
+    host = Host()
+    for seq in (0, 5, 6, 7):
+        host.hear(seq, 50_000 + 1000 * seq)
+    verdicts = [host.hear(seq, 100 * seq, 60_000 + 100 * seq) for seq in range(2, 10)]
+    assert verdicts == [Verdict.RESTARTED] + [NEW] * 7
+
+
+def test_restart_with_higher_numbers_is_seen_by_the_time():
+    host = Host()
+    host.hear(65_000, 10**7)
+    assert host.hear(3, 300, 10**7 + 4000) is Verdict.RESTARTED
+    assert host.lost == 0

@@ -33,7 +33,7 @@ def test_duplicates_are_marked_and_counted_and_keep_the_time_of_their_reception(
     host.hear(1, 0.0)
     first, again = host.hear(2, 1.0, 0.05), host.hear(2, 1.0, 0.3)
     assert (first.is_new, again.is_new) == (True, False)
-    assert first.time_ns == again.time_ns
+    assert abs(first.time_ns - again.time_ns) < MS / 10
     assert abs(first.time_ns - int(1001.002 * S)) < MS
     assert host.counted == {'duplicates': 1}
 
@@ -46,7 +46,7 @@ def test_everything_is_counted_under_its_name():
     host.hear(6, 0.6)
     host.hear(7, 0.7, lqi=104)
     assert host.counted == {
-        'lost_messages': 1,
+        'lost_messages': 2,
         'reordered': 1,
         'duplicates': 1,
         'address_changes': 2,

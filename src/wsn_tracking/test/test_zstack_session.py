@@ -9,6 +9,7 @@ from zstack_cases import BYTES, line_bytes, message, report_payload
 
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.zstack import commands as c
+from wsn_tracking.zstack import session as session_module
 from wsn_tracking.zstack.lines import encode_line
 from wsn_tracking.zstack.link import LinkEvent
 from wsn_tracking.zstack.payload import Payload, PayloadType, encode_payload
@@ -454,7 +455,7 @@ def test_at_most_two_messages_are_unconfirmed(sink, host):
 
 def test_messages_that_find_no_room_are_counted(sink, host):
     sink.mute = True
-    up = host(send_queue=3)
+    up = host(send_queue=3, timeout=dataclasses.replace(FAST, send_age=PATIENCE))
     for k in range(10):
         up.session.send(k, FEEDBACK)
     assert up.counted('send_queue_dropped') == 7
@@ -548,17 +549,37 @@ def test_other_kinds_of_sink_are_only_listened_to(sink, host, protocol):
     assert sink.asked == []
 
 
-def test_callback_of_the_host_that_fails_does_not_end_the_link(sink, link):
-    calls = []
-
+def test_fault_of_the_host_does_not_end_the_link(sink, link):
     def wake():
-        calls.append(1)
-        if len(calls) == 1:
-            raise RuntimeError('a fault of the host')
+        raise RuntimeError('a fault of the host')
 
     session = Session(LinkConfig(port=str(link), timeout=FAST), wake)
     session.start()
     with contextlib.closing(session):
-        sink.wait_asked(c.AfRegister)
-    assert len(calls) > 1
-    assert session.counters['internal_errors'] == 1
+        sink.wait_asked(c.ZdoExtNwkInfo)
+    assert [item for item, _ in session.inbox.take()] == [LinkEvent('opened', sink.device), LinkEvent('up')]
+    assert session.counters['internal_errors'] == 2
+
+
+def test_fault_of_ours_opens_the_port_again(sink, host, monkeypatch):
+    faults = iter([RuntimeError('a fault of ours')])
+
+    def attach(*arguments):
+        for fault in faults:
+            raise fault
+        return real(*arguments)
+
+    real = session_module.attach
+    monkeypatch.setattr(session_module, 'attach', attach)
+    up = host()
+    up.wait_up()
+    assert (up.counted('internal_errors'), up.counted('opened')) == (1, 2)
+
+
+def test_session_can_be_closed_twice_and_gives_the_port_back(sink, host):
+    up = host()
+    up.wait_up()
+    up.session.close()
+    up.session.close()
+    open_port(str(sink.link), 115200, 1.0).close()
+    assert up.session.status.phase == 'closed'

@@ -93,7 +93,7 @@ class WorldConfig(FeedConfig):
     """world_node."""
 
     scenario: str = param('a_loop', 'experiment to simulate')
-    seed: int = param(0, 'of the radio noise', '', 0)
+    seed: int = param(0, 'of the radio noise, and of a walk that is drawn', '', 0)
     start_stamp: float = param(0.0, 'stamp of the first epoch since 1970; 0: now', 's', 0.0, 4e9)
 
 

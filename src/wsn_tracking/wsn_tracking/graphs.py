@@ -221,8 +221,7 @@ def simulation(
     markers: bool = False,
 ) -> tuple[Process, ...]:
     """A simulated world and the live graph of system A; the world sends as slowly as the graph needs."""
-    simulated = scenario(name)
-    source = source_of(name, record_scenario(simulated, seed))
+    source = source_of(name, record_scenario(scenario(name, seed=seed), seed))
     plan = plan_random_q(source, configuration, settings)
     feed = Process('world_node', 'world', {'scenario': name, 'seed': seed, 'rate': rate, 'start_stamp': start_stamp})
     return random_q_graph(

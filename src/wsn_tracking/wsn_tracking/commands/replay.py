@@ -9,6 +9,7 @@ from typing import Any
 
 from wsn_tracking import graphs
 from wsn_tracking.commands.base import Commands, add_bag, add_command, add_tracking, rate, settings
+from wsn_tracking.errors import TrackingError
 
 
 def add(commands: Commands) -> None:
@@ -32,6 +33,8 @@ def add(commands: Commands) -> None:
 def _do(options: argparse.Namespace) -> int:
     from wsn_tracking.processes import run_graph
 
+    if options.record and Path(options.record).exists():
+        raise TrackingError(f'{options.record} exists: name another folder or remove it')
     evaluator: dict[str, Any] = {'skip': options.skip}
     for name in ('json', 'plot'):
         if getattr(options, name):

@@ -5,9 +5,11 @@ from __future__ import annotations
 import argparse
 import tempfile
 from pathlib import Path
+from typing import Any
 
 from wsn_tracking import graphs
 from wsn_tracking.commands.base import Commands, add_command, seed
+from wsn_tracking.errors import TrackingError
 from wsn_tracking.simulation.record import START_NS, record
 from wsn_tracking.simulation.scenarios import SCENARIOS, scenario
 
@@ -22,22 +24,41 @@ def add(commands: Commands) -> None:
         'a_loop -o my_loop',
         'a_loop --seed 7 -o seven',
         'a_loop --seed 1 --live -o bags/a_loop',
+        'b_field --set faults=clutter --set dead=[7] -o one_dies',
     )
     command.add_argument('scenario', choices=sorted(SCENARIOS), help='experiment')
-    command.add_argument('--seed', type=seed, default=0, help='of the radio noise (default: 0)')
+    command.add_argument('--seed', type=seed, default=0, help='of the radio noise, and of a walk that is drawn (default: 0)')
     command.add_argument('--live', action='store_true', help='record it through the live graph, not directly')
+    command.add_argument(
+        '--set', action='append', default=[], metavar='NAME=VALUE', help='set one parameter of the scenario'
+    )
     command.add_argument('-o', '--output', required=True, metavar='BAG', help='folder to write; it must not exist')
 
 
 def _do(options: argparse.Namespace) -> int:
+    if Path(options.output).exists():
+        raise TrackingError(f'{options.output} exists: name another folder or remove it')
     if options.live:
+        if options.set:
+            raise TrackingError('--live takes no --set: record with one or the other')
         return _live(options)
     from wsn_tracking.bags.save import save
 
-    recording = record(scenario(options.scenario), options.seed)
+    simulated = scenario(options.scenario, dict(map(_setting, options.set)), options.seed)
+    recording = record(simulated, options.seed)
     save(options.output, recording)
     print(f'{options.output}: {options.scenario}, seed {options.seed}, {len(recording.messages)} messages')
     return 0
+
+
+def _setting(text: str) -> tuple[str, Any]:
+    """name=value; the value is YAML."""
+    from wsn_tracking.ros_yaml import parse
+
+    name, separator, value = text.partition('=')
+    if not separator:
+        raise TrackingError(f'setting {text!r}: expected name=value, e.g. faults=clutter')
+    return name, parse(value, f'setting {text!r}')
 
 
 def _live(options: argparse.Namespace) -> int:

@@ -54,7 +54,7 @@ def sample(config: FieldConfig, runs: int, seed: int) -> Worlds:
 
 def some(worlds: Worlds, runs: Mask | slice) -> Worlds:
     """Only these runs."""
-    return Worlds(*(column[runs] for column in worlds[:-1]), worlds.R)
+    return Worlds(worlds.positions[runs], worlds.states[runs], worlds.z[runs], worlds.arrived[runs], worlds.R)
 
 
 def track(config: ConsensusConfig, worlds: Worlds, alive: Mask | None = None, prior: Belief | None = None) -> Scores:
@@ -71,8 +71,9 @@ def track(config: ConsensusConfig, worlds: Worlds, alive: Mask | None = None, pr
         squares[:, k] = np.sum(e[..., :2] ** 2, axis=-1)
         normed[:, k] = nees(e, nodes.belief.P)
         right[:, k] = (nodes.mu > 0.5) == worlds.arrived[:, k]
-        for score in (squares, normed, right) if living is not None else ():
-            score[:, k][~living] = np.nan
+        if living is not None:
+            for score in (squares, normed, right):
+                score[:, k][~living] = np.nan
     return Scores(squares, normed, right)
 
 

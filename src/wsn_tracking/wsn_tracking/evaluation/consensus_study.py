@@ -21,7 +21,7 @@ import numpy as np
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.evaluation import consensus_runs as runs_of
 from wsn_tracking.evaluation.consensus_runs import Scores, Worlds, mean_nees, mode_accuracy, rmse, traffic
-from wsn_tracking.evaluation.files import write_whole
+from wsn_tracking.files import write_whole
 from wsn_tracking.fusion.weights import chebyshev_guard, contraction, metropolis
 from wsn_tracking.models.graph import adjacency, degrees, diameter
 from wsn_tracking.simulation.b_field import FieldConfig

@@ -112,7 +112,10 @@ def track(scenario: Scenario, sensed: Sensed, start: Belief, config: RandomQConf
     unknown = np.full_like(z[..., 0, :], np.nan)
     table = MeasurementTable(scenario.anchors, config.target_height, config.update)
     m, P = np.empty((*batch, epochs, 4)), np.empty((*batch, epochs, 4, 4))
-    belief = Belief(start.m[:, None], start.chol_P[:, None])
+    belief = Belief(
+        np.broadcast_to(start.m[:, None], m[..., 0, :].shape),
+        np.broadcast_to(start.chol_P[:, None], P[..., 0, :, :].shape),
+    )
     for k in range(epochs):
         given = table.ranges(z[..., k, :], unknown, from_rssi=True)
         belief = random_q_step(belief, scenario.period if k else 0.0, q[..., k], *given, config)

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 from wsn_tracking.errors import TrackingError
-from wsn_tracking.evaluation.files import write_whole
+from wsn_tracking.files import write_whole
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist

@@ -8,9 +8,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from wsn_tracking.evaluation.files import write_whole
 from wsn_tracking.evaluation.score import Score
 from wsn_tracking.evaluation.summary import Summary, pool_summaries
+from wsn_tracking.files import write_whole
 
 
 def to_json(summaries: Summary | Sequence[Summary]) -> dict[str, Any]:

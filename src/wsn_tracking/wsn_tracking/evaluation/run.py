@@ -71,7 +71,7 @@ def epochs_of(
             assembler.measurement(message, 0.0)
         yield from closed(0.0)
     yield from closed(1.0)
-    counters.update({**assembler.counters, 'no_request': assembler.held})
+    counters.update({**assembler.run_counters, 'no_request': assembler.held})
 
 
 def run_random_q(
@@ -86,7 +86,7 @@ def run_random_q(
     if sensing is not None:
         radios, _ = calibrated(sensing.channel, recording.anchors)
         stage = SensingStage(sensing.trigger, radios, seed=sensing.seed)
-    parts = [_Part(config, *make_estimator(config, recording.anchors)) for config in estimators]
+    parts = [_Part(c, *make_estimator(c, recording.anchors), frozenset(c.all_peers)) for c in estimators]
     others = compared(estimators[0].fusion) if len(estimators) > 1 else ()
     estimates: dict[str, list[Estimate]] = {}
     reports: list[TriggerReport] = []
@@ -95,7 +95,7 @@ def run_random_q(
     count, start_ns = 0, 0
 
     def anew() -> None:
-        for part in (*(p for _, local, fuser in parts for p in (local, fuser)), *others, *([stage] if stage else ())):
+        for part in (*(p for _, local, fuser, _ in parts for p in (local, fuser)), *others, *([stage] if stage else ())):
             part.reset()
 
     for epoch in progress(epochs_of(recording, target_id, counters, anew), total):
@@ -106,10 +106,10 @@ def run_random_q(
             reports.append(sensed.report)
             ranged = epoch._replace(measurements=sensed.ranges)
         locals_ = [
-            local.step(_heard(config, ranged if config.input == 'range' else epoch)) for config, local, _ in parts
+            local.step(_heard(config, ranged if config.input == 'range' else epoch)) for config, local, *_ in parts
         ]
         fused = _fused(parts, locals_)
-        for (config, local, _), estimate in zip(parts, fused, strict=True):
+        for (config, local, *_), estimate in zip(parts, fused, strict=True):
             if config.fusion.feedback:
                 local.feed_back(estimate)
         for estimate in (*locals_, *fused, *(fuser.step(locals_) for fuser in others)):
@@ -117,6 +117,7 @@ def run_random_q(
     if stage is None:
         targets = {e[0].target_id for e in estimates.values()}
         reports = [m for m in recording.messages if isinstance(m, TriggerReport) and m.target_id in targets]
+    counters['gated'] += _gated(parts)
     dropped = {reason: n for reason, n in counters.items() if n and reason not in NO_LOSS}
     return Run({name: tuple(e) for name, e in estimates.items()}, tuple(reports), count, start_ns, dropped)
 
@@ -127,18 +128,28 @@ class _Part(NamedTuple):
     config: EstimatorConfig
     local: LocalEstimator
     fuser: Fuser
+    fuses: frozenset[int]  # the estimators whose local estimates it fuses
 
 
 def _fused(parts: Sequence[_Part], locals_: Sequence[Estimate]) -> list[Estimate]:
     """What every estimator makes of its peers' local estimates; what several would compute alike is computed once."""
     done: dict[Hashable, Estimate] = {}
     fused = []
-    for config, _, fuser in parts:
-        alike = (config.fusion, config.all_peers, config.area)
+    for config, _, fuser, fuses in parts:
+        alike = (config.fusion, config.area, fuses)
         if alike not in done:
-            done[alike] = fuser.step([e for e in locals_ if e.contributors[0] in config.all_peers])
+            done[alike] = fuser.step([e for e in locals_ if e.contributors[0] in fuses])
         fused.append(done[alike]._replace(source=fuser.source))
     return fused
+
+
+def _gated(parts: Sequence[_Part]) -> int:
+    """Readings that were gated; estimators that hear the same nodes count once, by the worst of them."""
+    worst: dict[tuple[int, ...], int] = {}
+    for _, local, *_ in parts:
+        hears = tuple(local.table.anchors.ids.tolist())
+        worst[hears] = max(worst.get(hears, 0), local.counters['gated'])
+    return sum(worst.values())
 
 
 def _heard(config: EstimatorConfig, epoch: Epoch) -> Epoch:

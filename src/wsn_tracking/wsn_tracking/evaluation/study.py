@@ -16,7 +16,7 @@ from typing import Any
 
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.evaluation import study_random_q
-from wsn_tracking.evaluation.files import write_whole
+from wsn_tracking.files import write_whole
 
 COMMAND = 'python -m wsn_tracking.evaluation.study -o docs/results'
 

@@ -1,38 +1,42 @@
-"""Large batches in blocks that fit the processor's cache, and that the allocator keeps at hand."""
+"""Large batches in blocks that stay in the processor's cache, and in memory that the allocator keeps at hand."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
 import numpy as np
 
 from wsn_tracking.filters.belief import Belief
 from wsn_tracking.models.anchors import Floats
 
-BLOCK = 128
+BLOCK = 384  # filters at a time
+
+Pass = Callable[[Belief, Belief, Floats, Floats], Belief]
 
 
-def in_blocks(step: Callable[..., Belief], arrays: Sequence[Floats], own: Sequence[int]) -> Belief:
-    """step(*arrays), computed block after block where the batch is large.
+def in_blocks(step: Pass, prior: Belief, about: Belief, z: Floats, root_R: Floats) -> Belief:
+    """step(prior, about, z, root_R), whose batch axes broadcast, block after block where the batch is large.
 
-    `own` says how many trailing axes of each array belong to one element; those before are the batch and broadcast. An
-    array that is given twice is given to the step as the same object twice.
+    If `about` is the prior itself, it is so for the step, too.
     """
-    if max(array.size for array in arrays) <= BLOCK:  # surely small
-        return step(*arrays)
-    batch = np.broadcast_shapes(*(array.shape[: array.ndim - k] for array, k in zip(arrays, own, strict=True)))
+    batch = np.broadcast_shapes(prior.m.shape[:-1], about.m.shape[:-1], z.shape[:-1], root_R.shape[:-1])
     size = int(np.prod(batch))
     if size <= BLOCK:
-        return step(*arrays)
-    flat = {
-        id(array): np.broadcast_to(array, batch + array.shape[array.ndim - k :]).reshape(
-            size, *array.shape[array.ndim - k :]
-        )
-        for array, k in zip(arrays, own, strict=True)
-    }
-    m, chol_P = (np.empty((size, *arrays[i].shape[arrays[i].ndim - own[i] :])) for i in (0, 1))
-    for start in range(0, size, BLOCK):
-        rows = slice(start, start + BLOCK)
-        cut = {key: array[rows] for key, array in flat.items()}
-        m[rows], chol_P[rows] = step(*(cut[id(array)] for array in arrays))
-    return Belief(m.reshape(*batch, *m.shape[1:]), chol_P.reshape(*batch, *chol_P.shape[1:]))
+        return step(prior, about, z, root_R)
+
+    def flat(array: Floats, own: int = 1) -> Floats:
+        shape = array.shape[array.ndim - own :]
+        return np.broadcast_to(array, batch + shape).reshape(size, *shape)
+
+    def belief(b: Belief) -> Belief:
+        return Belief(flat(b.m), flat(b.chol_P, 2))
+
+    flat_prior, flat_z, flat_R = belief(prior), flat(z), flat(root_R)
+    flat_about = flat_prior if about is prior else belief(about)
+    m, chol_P = np.empty(flat_prior.m.shape), np.empty(flat_prior.chol_P.shape)
+    ends = np.linspace(0, size, -(-size // BLOCK) + 1).astype(int).tolist()
+    for rows in map(slice, ends[:-1], ends[1:]):
+        own = Belief(flat_prior.m[rows], flat_prior.chol_P[rows])
+        other = own if about is prior else Belief(flat_about.m[rows], flat_about.chol_P[rows])
+        m[rows], chol_P[rows] = step(own, other, flat_z[rows], flat_R[rows])
+    return Belief(m.reshape(batch + m.shape[1:]), chol_P.reshape(batch + chol_P.shape[1:]))

@@ -1,10 +1,12 @@
 """Predict and update without QR, through Gram matrices: fewer and cheaper steps, at the square of the condition number.
 
-Both are exact. Each result says whether it may be trusted; where not, `srckf` takes the QR form.
+Both are exact. Each result says whether its pivots (..., k) may be trusted; where not, `srckf` takes the QR form.
 """
 
 from __future__ import annotations
 
+import math
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -21,52 +23,55 @@ TINY = 1e-200  # least variance that is told apart from zero
 
 
 class Root(NamedTuple):
-    """What `cholesky` gives, and whether each matrix of the batch is as good as if QR had given it (...)."""
+    """What `cholesky` gives, and whether its pivots (..., k) are as good as if QR had given them."""
 
     L: Floats
     trusted: Mask
 
 
-def cholesky(A: Floats) -> Root:
-    """L (..., n, k) of A (..., n, k), n >= k: the factor of the first k rows, and the others times its inverse transposed.
+def cholesky(A: Floats, k: int) -> Root:
+    """The first k columns of the factor of a positive definite matrix A (..., n, n); (..., n, k) where A is `large`.
 
-    That is the first k columns of the factor of any positive definite matrix that begins with A. NaN where the first k
-    rows are not positive definite.
+    That is the factor of the first k rows, and the others times its inverse transposed. The other columns of A, and what
+    is above its diagonal, do not matter, but LAPACK reads their lower half. NaN where there is no factor.
     """
-    L = _written_out(A) if A.ndim > 2 and A[..., 0, 0].size >= WRITTEN_OUT else _by_lapack(A)
-    pivots = L.diagonal(0, -2, -1)
-    return Root(L, np.logical_and.reduce(pivots * pivots > TRUST * A.diagonal(0, -2, -1), axis=-1))
-
-
-def _by_lapack(A: Floats) -> Floats:
-    n, k = A.shape[-2:]
-    square = A
-    if n > k:
-        square = np.zeros((*A.shape[:-1], n))
-        square[...] = AMPLE * np.eye(n)
-        square[..., :k] = A
+    if large(A.shape[:-2]):
+        return _written_out(A, k)
     try:
-        return np.linalg.cholesky(square)[..., :k]
+        L = np.linalg.cholesky(A)[..., :k]
     except np.linalg.LinAlgError:
-        return np.full(A.shape, np.nan)
+        L = np.full((*A.shape[:-1], k), np.nan)
+    pivots = L.diagonal(0, -2, -1)
+    return Root(L, pivots * pivots > TRUST * A.diagonal(0, -2, -1)[..., :k])
 
 
-def _written_out(A: Floats) -> Floats:
-    """The same, column after column, on contiguous vectors over the batch."""
-    L = np.moveaxis(A, (-2, -1), (0, 1)).copy()
+def large(batch: tuple[int, ...]) -> bool:
+    """Whether steps over all matrices of a batch at once are faster than LAPACK one by one."""
+    return bool(batch) and math.prod(batch) >= WRITTEN_OUT
+
+
+def _written_out(A: Floats, k: int) -> Root:
+    """Column after column, on contiguous vectors over the batch."""
+    L = np.moveaxis(A[..., :k], (-2, -1), (0, 1)).copy()
+    trusted = np.empty((k, *A.shape[:-2]), dtype=np.bool_)
     with np.errstate(invalid='ignore', divide='ignore'):
-        for j in range(L.shape[1]):
-            for k in range(j):
-                L[j:, j] -= L[j:, k] * L[j, k]
+        for j in range(k):
+            least = TRUST * L[j, j]
+            for i in range(j):
+                L[j:, j] -= L[j:, i] * L[j, i]
+            np.greater(L[j, j], least, out=trusted[j])
             L[j, j] = np.sqrt(L[j, j])
             L[j + 1 :, j] /= L[j, j]
             L[j, j + 1 :] = 0.0
-    return np.moveaxis(L, (0, 1), (-2, -1))
+    return Root(np.moveaxis(L, (0, 1), (-2, -1)), np.moveaxis(trusted, 0, -1))
 
 
-def predicted_root(propagated: Floats, chol_Q: Floats) -> Root:
-    """Root of A A' + Q for A = F chol_P (..., n, n)."""
-    return cholesky(propagated @ transpose(propagated) + chol_Q @ transpose(chol_Q))
+def predict(belief: Belief, F: Floats, chol_Q: Floats) -> tuple[Belief, Mask]:
+    """Root of A A' + Q with A = F chol_P, and F m."""
+    A, m = F @ belief.chol_P, matvec(F, belief.m)
+    across = np.ascontiguousarray(transpose(A))  # of a transposed view, NumPy computes one triangle, slowly
+    root, trusted = cholesky(A @ across + chol_Q @ transpose(chol_Q), A.shape[-1])
+    return Belief(m if m.ndim == root.ndim - 1 else np.broadcast_to(m, root.shape[:-1]), root), trusted
 
 
 def condition(prior: Belief, z: Floats, missing: Mask, r: Regression, root_R: Floats) -> tuple[Belief, Mask]:
@@ -86,13 +91,20 @@ def condition(prior: Belief, z: Floats, missing: Mask, r: Regression, root_R: Fl
     deviations[..., : k - d, :] = transpose(r.E)
     deviations[..., k - d : k, :] = transpose(r.O)[..., ::-1, :]
     deviations[..., k, :] = innovation
-    A = np.zeros((*batch, k + 1 + n, k))
-    A[..., : k + 1, :] = (deviations * information[..., None, :]) @ transpose(deviations[..., :k, :])
-    A[..., :k, :] += np.eye(k)
-    A[..., k + 1 :, k - d :] = prior.chol_P[..., :d][..., ::-1]
-    L, trusted = cholesky(A)
+    frame = _frame(k, k if large(batch) else k + 1 + n, k + 1 + n)
+    A = np.empty(batch + frame.shape)
+    A[...] = frame
+    A[..., : k + 1, :k] += (deviations * information[..., None, :]) @ transpose(deviations[..., :k, :])
+    A[..., k + 1 :, k - d : k] = prior.chol_P[..., :d][..., ::-1]
+    L, trusted = cholesky(A, k)
     seen = L[..., k + 1 :, k - d :]
     root = np.empty((*batch, n, n))
     root[...] = prior.chol_P
     root[..., :d] = seen[..., ::-1]
     return Belief(prior.m + matvec(seen, L[..., k, k - d :]), root), trusted
+
+
+@lru_cache
+def _frame(k: int, columns: int, rows: int) -> Floats:
+    """The information of the prior, and below it what keeps the whole matrix positive definite."""
+    return np.diag([1.0] * k + [AMPLE] * (rows - k))[:, :columns]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 
 from wsn_tracking.models.anchors import Floats
@@ -10,6 +12,14 @@ from wsn_tracking.models.anchors import Floats
 def transpose(A: Floats) -> Floats:
     """Swap the last two axes."""
     return A.swapaxes(-1, -2)
+
+
+@lru_cache
+def identity(n: int) -> Floats:
+    """I (n, n), made once: not to be written to."""
+    eye = np.eye(n)
+    eye.flags.writeable = False
+    return eye
 
 
 def tria(A: Floats) -> Floats:
@@ -29,4 +39,4 @@ def solve(L: Floats, b: Floats) -> Floats:
 
 def matvec(A: Floats, b: Floats) -> Floats:
     """A b for matrices A (..., m, n) and vectors b (..., n)."""
-    return A @ b if b.ndim == 1 else (A @ b[..., None])[..., 0]
+    return b @ A.T if A.ndim == 2 else (A @ b[..., None])[..., 0]

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from wsn_tracking.filters.linalg import matvec, transpose
+from wsn_tracking.filters.linalg import identity, matvec, transpose
 from wsn_tracking.fusion.simplex import minimise_trace
 from wsn_tracking.models.anchors import Floats
 
@@ -25,7 +25,7 @@ class Fused(NamedTuple):
 def information(P: Floats) -> Floats:
     """P^-1 (..., n, n) through a Cholesky factor, exactly symmetric."""
     L = np.linalg.cholesky(P)
-    L_inv = np.linalg.solve(L, np.eye(P.shape[-1]).reshape((1,) * (P.ndim - 2) + P.shape[-2:]))
+    L_inv = np.linalg.solve(L, identity(P.shape[-1]).reshape((1,) * (P.ndim - 2) + P.shape[-2:]))
     return transpose(L_inv) @ L_inv
 
 
@@ -69,7 +69,7 @@ def spread(P: Floats, m: Floats, a: float = 0.5, floor: float = 1e-10) -> Floats
     they are: it weighs them, and is never told as accuracy.
     """
     d = m - m.mean(axis=-2, keepdims=True)
-    return np.asarray(a * d[..., :, None] * d[..., None, :] + (1.0 - a) * P + floor * np.eye(m.shape[-1]))
+    return np.asarray(a * d[..., :, None] * d[..., None, :] + (1.0 - a) * P + floor * identity(m.shape[-1]))
 
 
 def lci(m: Floats, P_spread: Floats) -> Fused:

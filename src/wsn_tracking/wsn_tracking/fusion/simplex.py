@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from wsn_tracking.filters.linalg import identity
 from wsn_tracking.models.anchors import Floats
 
 STEPS = 60
@@ -80,7 +81,7 @@ def _newton(here: Expansion, free: Mask) -> Floats:
     A = np.zeros((*free.shape[:-1], J + 1, J + 1))
     # a whiff of the identity: estimates that are equal leave H singular, and any split of their weight is right
     A[..., :J, :J] = np.where(free[..., :, None] & free[..., None, :], here.H / scale[..., None], 0.0)
-    A[..., :J, :J] += np.where(free, 1e-12, 1.0)[..., None] * np.eye(J)
+    A[..., :J, :J] += np.where(free, 1e-12, 1.0)[..., None] * identity(J)
     A[..., :J, J] = A[..., J, :J] = free
     b = np.zeros((*free.shape[:-1], J + 1, 1))
     b[..., :J, 0] = np.where(free, here.g / -scale, 0.0)
@@ -118,4 +119,4 @@ def _moved(w: Floats, step: Floats, length: Floats) -> Floats:
 def _inverse(Y: Floats, w: Floats) -> Floats:
     flat = Y.reshape(*Y.shape[:-2], Y.shape[-1] ** 2)
     total = (w[..., None, :] @ flat)[..., 0, :].reshape(*w.shape[:-1], *Y.shape[-2:])
-    return np.linalg.solve(total, np.broadcast_to(np.eye(Y.shape[-1]), total.shape))
+    return np.linalg.solve(total, np.broadcast_to(identity(Y.shape[-1]), total.shape))

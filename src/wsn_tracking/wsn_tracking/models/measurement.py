@@ -30,8 +30,9 @@ def distance_function(anchors: Anchors, height: float = 0.0) -> Function:
     planar = not dz_squared.any()
 
     def d(states: Floats) -> Floats:
-        squared = np.square(states[..., :1] - x)
-        squared += np.square(states[..., 1:2] - y)
+        dx, dy = states[..., :1] - x, states[..., 1:2] - y
+        squared = np.multiply(dx, dx, out=dx)
+        squared += np.multiply(dy, dy, out=dy)
         if not planar:
             squared += dz_squared
         return np.maximum(np.sqrt(squared, out=squared), MIN_RANGE, out=squared)

@@ -13,6 +13,7 @@ from wsn_tracking.models.anchors import Anchors
 from wsn_tracking.sensing.epochs import NO_LOSS, EpochAssembler
 from wsn_tracking.sensing.values import Epoch
 
+MAX_EARLY = 10_000  # messages held until the anchors are known
 TICK = 0.02  # [s] how often timeouts are looked at
 
 
@@ -28,6 +29,7 @@ class Assembly:
         self._assembler: EpochAssembler | None = None
         self._early: list[tuple[str, Any, float]] = []
         self._runs = 0
+        self._overflow = 0  # messages before the anchors that found no place
         self._logger = node.get_logger()
         self.last_seq = -1
         node.create_timer(TICK, self.advance)
@@ -48,8 +50,10 @@ class Assembly:
     def add(self, method: str, message: Any, now: float) -> None:
         """A message: `request`, `measurement` or `listing`."""
         if self._assembler is None:
-            if len(self._early) < 10_000:
+            if len(self._early) < MAX_EARLY:
                 self._early.append((method, message, now))
+            else:
+                self._overflow += 1
             return
         getattr(self._assembler, method)(message, now)
         self.advance()
@@ -70,19 +74,21 @@ class Assembly:
         """Hand on every epoch that can be closed by now."""
         if self._assembler is None:
             return
-        for epoch in self._assembler.closed(time.monotonic()):
+        while epochs := self._assembler.closed(time.monotonic()):  # those of one run at a time
             if self._assembler.runs != self._runs:
                 self._runs = self._assembler.runs
                 self._logger.warning('requests jumped back by more than 1 s: a new run, everything starts anew')
                 self._anew()
-            self.last_seq = epoch.request_seq
-            self._then(epoch)
+            for epoch in epochs:
+                self.last_seq = epoch.request_seq
+                self._then(epoch)
 
     @property
     def counters(self) -> dict[str, int]:
         """What was used and what was not, the latter under `dropped.` and its reason."""
-        counters = {} if self._assembler is None else self._assembler.counters
-        return {name if name in NO_LOSS else f'dropped.{name}': count for name, count in counters.items()}
+        counters = {} if self._assembler is None else self._assembler.run_counters
+        told = {name if name in NO_LOSS else f'dropped.{name}': count for name, count in counters.items()}
+        return {**told, 'dropped.overflow': told.get('dropped.overflow', 0) + self._overflow}
 
     @property
     def waits_for(self) -> str:

@@ -136,6 +136,15 @@ class EstimatorNode(TrackingNode[EstimatorNodeConfig]):
         outputs[0].publish(convert.estimate_message(estimate))
         outputs[1].publish(convert.odometry_message(estimate, self.config.target_height))
 
+    @property
+    def _hears(self) -> str:
+        """The nodes that this estimator listens to."""
+        return '' if self._parts is None else ' '.join(map(str, self._parts[0].table.anchors.ids.tolist()))
+
+    def _local_counters(self) -> dict[str, int]:
+        counters = {} if self._parts is None else self._parts[0].counters
+        return {name if name != 'gated' else 'dropped.gated': count for name, count in counters.items()}
+
     def _anew(self) -> None:
         if self._parts is not None:
             self._parts[0].reset()
@@ -154,6 +163,8 @@ class EstimatorNode(TrackingNode[EstimatorNodeConfig]):
             'input': self._input,
             'waits for': self.waits_for or self._assembly.waits_for,
             'absent peers': list(self._gate.absent),
+            'hears': self._hears,
+            **self._local_counters(),
             **self._assembly.counters,
             **self._gate.counters,
         }

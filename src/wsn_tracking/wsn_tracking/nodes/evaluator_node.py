@@ -161,16 +161,22 @@ class EvaluatorNode(TrackingNode[EvaluatorConfig]):
         )
 
     def _dropped(self) -> dict[str, int]:
-        """Input that was not used, as told last: by feed and sensing nodes together, and by the worst estimator."""
+        """Input that was not used, as told last: by feed and sensing nodes, and by estimators.
+
+        Estimators that hear the same nodes drop the same input, which counts once; others' adds up.
+        """
         counts: Counter[str] = Counter()
-        estimators: Counter[str] = Counter()
+        estimators: dict[str, Counter[str]] = {}
         for values in self._told.values():
-            dropped = {k[8:]: int(v) for k, v in values.items() if k.startswith('dropped.')}
-            if 'input' in values:
-                estimators |= Counter(dropped)
+            dropped = Counter({k[8:]: int(v) for k, v in values.items() if k.startswith('dropped.')})
+            if 'hears' in values:
+                hears = values['hears']
+                estimators[hears] = estimators.get(hears, Counter()) | dropped
             else:
                 counts.update(dropped)
-        return {reason: n for reason, n in (counts + estimators).items() if n}
+        for dropped in estimators.values():
+            counts.update(dropped)
+        return {reason: n for reason, n in counts.items() if n}
 
     def health(self) -> Health:
         """Requests that stopped, estimates that cannot be scored."""

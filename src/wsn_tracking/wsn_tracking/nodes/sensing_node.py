@@ -68,6 +68,7 @@ class SensingNode(TrackingNode[SensingNodeConfig]):
     def _anew(self) -> None:
         if self._stage is not None:
             self._stage.reset()
+        self._counts = dict.fromkeys(self._counts, 0)
 
     def state(self) -> Mapping[str, Any]:
         """Counts of what was heard and sent, and what is waited for."""

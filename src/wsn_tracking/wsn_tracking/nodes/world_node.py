@@ -21,7 +21,7 @@ class WorldNode(FeedNode[WorldConfig]):
     def load(self) -> Recording:
         """The scenario, stamped from now on or from where `start_stamp` says."""
         start = self.config.start_stamp or time.time()
-        return record(scenario(self.config.scenario), self.config.seed, round(start * 1e9))
+        return record(scenario(self.config.scenario, seed=self.config.seed), self.config.seed, round(start * 1e9))
 
 
 def main() -> None:

@@ -52,6 +52,7 @@ class EpochAssembler:
         self.lossless = lossless
         self.counters: Counter[str] = Counter()
         self.runs = 0
+        self._before: Counter[str] = Counter()  # counters at the start of the run
         self._open = OpenEpochs()
         self._first: int | None = None  # number of the run's first epoch
         self._closed: int | None = None  # number of the epoch that was closed last
@@ -105,10 +106,10 @@ class EpochAssembler:
             out.append(self._close(epoch.seq))
         return out
 
-    def deadline(self) -> float | None:
-        """Steady time [s] at which `closed` would give up waiting; None while it waits for nothing."""
-        head = self._open.head
-        return None if head is None else head.touched + self.loss_timeout
+    @property
+    def run_counters(self) -> Counter[str]:
+        """The counters since the last jump back in time."""
+        return self.counters - self._before
 
     @property
     def waits_for(self) -> str:
@@ -127,7 +128,7 @@ class EpochAssembler:
 
     def _take_request(self, request: Request, now: float) -> None:
         if self._ahead:
-            self._hold(request)
+            self._take_second(request, now)
             return
         if self._newest is not None and self._begins_run(request, self._newest):
             self._ahead.append(request)
@@ -146,6 +147,17 @@ class EpochAssembler:
         if self._newest is None or request.seq > self._newest.seq:
             self._newest = request
         self._revive(request, now)
+
+    def _take_second(self, request: Request, now: float) -> None:
+        """A request while a new run waits to begin: it belongs there, or shows that there is none."""
+        if not self._is_stray(self._ahead[0], request):
+            self._hold(request)
+            self._follow(now)
+            return
+        self.counters['stray_request'] += 1
+        held, self._ahead = self._ahead[1:], []
+        for message in (*held, request):
+            self._add(message, now)
 
     def _take_packet(self, packet: Measurement, now: float) -> None:
         if self._is_of_next_run(packet):
@@ -215,6 +227,8 @@ class EpochAssembler:
 
     def _awaited(self) -> frozenset[int]:
         """The nodes whose lists are waited for; where nobody speaks, only time can tell that all has come."""
+        if not self._unreported:
+            return self.roster
         return self.roster - {node for node, n in self._unreported.items() if n >= FORGET_AFTER} or self.roster
 
     def _count_loss(self, epoch: OpenEpoch) -> None:
@@ -248,8 +262,19 @@ class EpochAssembler:
     # ---- runs
 
     def _begins_run(self, request: Request, newest: Request) -> bool:
-        back_in_time = request.stamp_ns < newest.stamp_ns - JUMP_NS
-        return back_in_time or (request.seq <= newest.seq and request.stamp_ns > newest.stamp_ns)
+        return self._begins_in_the_past(request) or (request.seq <= newest.seq and request.stamp_ns > newest.stamp_ns)
+
+    def _begins_in_the_past(self, request: Request) -> bool:
+        return self._newest is not None and request.stamp_ns < self._newest.stamp_ns - JUMP_NS
+
+    def _is_stray(self, first: Request, second: Request) -> bool:
+        """Whether a request that fell back in time was one bad stamp: the next one goes on where the old run was."""
+        return self._jumps(first) and self._newest is not None and second.stamp_ns > self._newest.stamp_ns
+
+    def _is_confirmed(self) -> bool:
+        """A jump back counts when a second request follows it there; a new numbering counts at once."""
+        first, *others = self._ahead
+        return not self._jumps(first) or any(isinstance(message, Request) for message in others)
 
     def _jumps(self, message: Message) -> bool:
         """Whether a run that begins with this request falls back in time, not only in number."""
@@ -276,12 +301,13 @@ class EpochAssembler:
 
     def _follow(self, now: float) -> None:
         """Begin the next run when the last one is closed."""
-        if not self._ahead or self._open.head is not None:
+        if not self._ahead or self._open.head is not None or not self._is_confirmed():
             return
         first, *others = self._ahead
         if self._jumps(first):
             self.runs += 1
             self._unreported.clear()
+            self._before = self.counters.copy()
         else:
             self.counters['renumbered'] += 1
         self._discard_open()

@@ -95,9 +95,10 @@ class OpenEpochs:
     @property
     def head(self) -> OpenEpoch | None:
         """The epoch that is to be closed next; None while no open epoch has its request, which alone orders them."""
-        if not any(epoch.request is not None for epoch in self._by_seq.values()):
-            return None
-        return self._by_seq[min(self._by_seq)]
+        for epoch in self._by_seq.values():
+            if epoch.request is not None:
+                return self._by_seq[min(self._by_seq)]
+        return None
 
     @property
     def messages(self) -> int:

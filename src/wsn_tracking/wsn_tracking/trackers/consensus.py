@@ -27,7 +27,7 @@ from wsn_tracking.fusion.consensus import SCHEMES, Scheme
 from wsn_tracking.fusion.exchange import Agreement, Exchange
 from wsn_tracking.models import arrival as chain
 from wsn_tracking.models.anchors import Floats, Mask
-from wsn_tracking.models.graph import adjacency, component_sizes
+from wsn_tracking.models.graph import adjacency, reached
 from wsn_tracking.models.links import is_cut, lost
 from wsn_tracking.models.motion import constant_velocity
 from wsn_tracking.models.noise import white_acceleration
@@ -114,7 +114,12 @@ class Network:
         m, chol_P = prior_of(self.config) if prior is None else prior
         belief = Belief(np.broadcast_to(m, (*shape, 4)), np.broadcast_to(chol_P, (*shape, 4, 4)))
         mu = np.full(shape, self.config.arrival.start)
-        return Nodes(belief, mu, component_sizes(self.graph), np.zeros(self.graph.shape, dtype=np.int64))
+        return Nodes(
+            belief,
+            mu,
+            reached(self.graph, self.config.rounds).sum(axis=-1, dtype=np.float64),
+            np.zeros(self.graph.shape, dtype=np.int64),
+        )
 
     def step(
         self, nodes: Nodes, epoch: int, dt: float, z: Floats, R: Floats, alive: Mask | None = None

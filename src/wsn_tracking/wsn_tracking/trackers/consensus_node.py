@@ -20,7 +20,7 @@ from wsn_tracking.fusion.exchange import check_rounds
 from wsn_tracking.fusion.weights import chebyshev_factors, contraction, metropolis
 from wsn_tracking.models.anchors import Anchors, Floats
 from wsn_tracking.models.arrival import NEGLIGIBLE, kept
-from wsn_tracking.models.graph import adjacency, component_sizes, degrees
+from wsn_tracking.models.graph import adjacency, degrees, reached
 from wsn_tracking.sensing.values import Epoch
 from wsn_tracking.trackers.consensus import Local, local_step, posterior
 from wsn_tracking.trackers.consensus_config import ConsensusConfig, loss_model_of, noise_of, prior_of
@@ -42,9 +42,7 @@ class _Now(NamedTuple):
 class ConsensusNode:
     """Node `node_id` of system B; its neighbours are the anchors within the radius, or those that are named."""
 
-    def __init__(
-        self, config: ConsensusConfig, anchors: Anchors, node_id: int, neighbours: Sequence[int] = ()
-    ) -> None:
+    def __init__(self, config: ConsensusConfig, anchors: Anchors, node_id: int, neighbours: Sequence[int] = ()) -> None:
         self.config = config.checked()
         self.node_id = node_id
         self.anchor = anchors.select([node_id])
@@ -54,7 +52,7 @@ class ConsensusNode:
         x = dict(zip(anchors.ids[graph[row]].tolist(), anchors.positions[graph[row], 0].tolist(), strict=True))
         self.inbox = Inbox(config, node_id, float(anchors.positions[row, 0]), x)
         self._all = bitmap(anchors.ids.tolist())
-        self._component = float(component_sizes(graph)[row])
+        self._reach = float(reached(graph, config.rounds)[row].sum())
         self._scheme = SCHEMES[config.scheme]
         self._omegas: list[float] = []
         if self._scheme.accelerated:
@@ -81,7 +79,7 @@ class ConsensusNode:
         self.inbox.reset()
         self._belief = prior_of(self.config)
         self._mu = np.array(self.config.arrival.start)
-        self._live = self._component
+        self._live = self._reach
         self._stamp_ns: int | None = None
         self._now: _Now | None = None
         self._round = 0

@@ -86,10 +86,6 @@ class FusionGate:
             out.append([estimate, *self._take(epoch)])
         return out
 
-    def deadline(self) -> float | None:
-        """Steady time [s] at which `ready` would stop waiting; None while nothing waits."""
-        return next(iter(self._pending.values()))[1] + self.timeout if self._pending else None
-
     def _take(self, epoch: Epoch) -> list[Estimate]:
         """What the peers said of an epoch; what they said of earlier ones has been missed."""
         taken = []

@@ -27,10 +27,10 @@ class Watchdog:
         """When to ping, if nothing comes until then (time.monotonic)."""
         return max(self._dialogue.heard, self._pinged) + self._dialogue.timeout.idle
 
-    def look(self) -> None:
-        """Ping if it is time; TrackingError if the sink is lost."""
+    def look(self) -> bool:
+        """Ping if it is time, and say so; TrackingError if the sink is lost."""
         if time.monotonic() < self.due:
-            return
+            return False
         dialogue = self._dialogue
         if dialogue.heard > self._pinged:
             self._misses = 0
@@ -40,21 +40,26 @@ class Watchdog:
             ping(dialogue)
         except TrackingError:
             if dialogue.heard > self._pinged:  # no answer, yet it speaks: it has restarted, or is busy
-                return
+                return True
             self._misses += 1
             dialogue.counters['pings_missed'] += 1
             if self._misses >= dialogue.timeout.misses:
                 raise TrackingError(f'the sink has not answered {self._misses} pings: is it still there?') from None
+        return True
 
 
-def speak(dialogue: Dialogue, outbox: Outbox, questions: Questions) -> None:
-    """Say what the host wants said, as far as it is due; a refusal is counted, not raised."""
-    while questions and not dialogue.restarted:
+def speak(dialogue: Dialogue, outbox: Outbox, questions: Questions) -> bool:
+    """Say the next thing that the host wants said, if one is due; a refusal is counted, not raised."""
+    if questions:
         _try(dialogue, *questions.popleft())
-    while not dialogue.restarted and (message := outbox.due(time.monotonic())) is not None:
-        answer = _try(dialogue, message, AfDataRequestRsp)
-        if not isinstance(answer, AfDataRequestRsp) or answer.status != 0:
-            outbox.failed(message.trans_id)
+        return True
+    message = outbox.due(time.monotonic())
+    if message is None:
+        return False
+    answer = _try(dialogue, message, AfDataRequestRsp)
+    if not isinstance(answer, AfDataRequestRsp) or answer.status != 0:
+        outbox.failed(message.trans_id)
+    return True
 
 
 def _try(dialogue: Dialogue, question: Command, answer: type[Command]) -> Command | None:

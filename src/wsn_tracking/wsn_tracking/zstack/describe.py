@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 from wsn_tracking.zstack.bad import Bad
-from wsn_tracking.zstack.commands import Command, SysPingRsp, SysVersionRsp, decode, name_of
+from wsn_tracking.zstack.commands import AfDataRequest, Command, SysPingRsp, SysVersionRsp, decode, name_of
 from wsn_tracking.zstack.frames import Frame, Kind
 from wsn_tracking.zstack.lqi import Scale, strength_of
-from wsn_tracking.zstack.payload import Flag, Payload, PayloadType
+from wsn_tracking.zstack.payload import Flag, Payload, PayloadType, decode_payload
 from wsn_tracking.zstack.protocols import Item
 from wsn_tracking.zstack.records import FeedbackRecord, RangeRecord, Record, RssiRecord
 from wsn_tracking.zstack.reports import Report
@@ -40,7 +40,7 @@ def describe(raw: Frame | bytes, item: Item, scale: Scale) -> str:
         kind = Kind(raw.kind).name if raw.kind in set(Kind) else '?'
         words = f'{kind} {name_of(raw.header)} '
         words += describe_report(item, scale) if isinstance(item, Report) else describe_command(decode(raw))
-    return f'{words} [{item.reason}: {item.detail}]' if isinstance(item, Bad) else words.rstrip()
+    return f'{words.rstrip()} [{item.reason}: {item.detail}]' if isinstance(item, Bad) else words.rstrip()
 
 
 def describe_command(command: Command | Bad) -> str:
@@ -51,6 +51,8 @@ def describe_command(command: Command | Bad) -> str:
         return str(command)
     if isinstance(command, SysPingRsp):
         return ' '.join(name for bit, name in enumerate(CAPABILITIES) if command.capabilities >> bit & 1)
+    if isinstance(command, AfDataRequest) and isinstance(payload := decode_payload(command.data), Payload):
+        return f'to {command.dst:04X} transaction {command.trans_id}: {describe_payload(payload)}'
     fields: dict[str, Any] = command._asdict()  # type: ignore[attr-defined]
     return ' '.join(f'{name}={_value(name, value)}' for name, value in fields.items() if value is not None)
 

@@ -13,6 +13,7 @@ import serial  # type: ignore[import-untyped]
 
 from wsn_tracking.errors import TrackingError
 
+DEV = Path('/dev')
 PATTERNS = ('serial/by-id/*', 'ttyACM*', 'ttyUSB*')
 BYTES = 65536  # read at once
 TOGGLE_S = 0.15
@@ -76,7 +77,7 @@ def open_port(name: str, baud: int, write_s: float, *, rtscts: bool = False) -> 
 
 def ports() -> list[str]:
     """The serial ports that there are, those with lasting names first."""
-    return [str(path) for pattern in PATTERNS for path in sorted(Path('/dev').glob(pattern))]
+    return [str(path) for pattern in PATTERNS for path in sorted(DEV.glob(pattern))]
 
 
 def _why(name: str, error: Exception) -> str:

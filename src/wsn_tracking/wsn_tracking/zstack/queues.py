@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 from wsn_tracking.zstack.commands import AfDataConfirm, AfDataRequest
 from wsn_tracking.zstack.protocols import Radio
+from wsn_tracking.zstack.settings import TimeoutConfig
 
 UNCONFIRMED = 2  # messages to nodes of which the sink has not yet said how they went
 ATTEMPTS = 2
@@ -15,6 +16,7 @@ ATTEMPTS = 2
 COUNTERS = (
     'host_queue_dropped',
     'send_queue_dropped',
+    'send_expired',
     'sent',
     'confirmed',
     'send_repeated',
@@ -64,6 +66,7 @@ class Outgoing(NamedTuple):
 
     dst: int
     data: bytes
+    born: float  # time.monotonic
     attempt: int = 1
 
 
@@ -77,13 +80,13 @@ class Flight(NamedTuple):
 class Outbox:
     """Messages to nodes: at most two on their way, each tried twice."""
 
-    def __init__(self, radio: Radio, capacity: int, confirm_s: float, counters: dict[str, int]) -> None:
+    def __init__(self, radio: Radio, capacity: int, timeout: TimeoutConfig, counters: dict[str, int]) -> None:
         self._waiting: deque[Outgoing] = deque()
         self._flying: dict[int, Flight] = {}
         self._trans_id = 0
         self._radio = radio
         self._capacity = capacity
-        self._confirm_s = confirm_s
+        self._timeout = timeout
         self._counters = counters
         self._lock = threading.Lock()
 
@@ -105,16 +108,25 @@ class Outbox:
         for trans_id in [key for key, flight in self._flying.items() if flight.deadline <= now]:
             self._counters['confirms_missing'] += 1
             self.failed(trans_id)
-        with self._lock:
-            if not self._waiting or len(self._flying) >= UNCONFIRMED:
-                return None
-            outgoing = self._waiting.popleft()
+        outgoing = self._next(now) if len(self._flying) < UNCONFIRMED else None
+        if outgoing is None:
+            return None
         self._trans_id = self._trans_id % 255 + 1
-        self._flying[self._trans_id] = Flight(outgoing, now + self._confirm_s)
+        self._flying[self._trans_id] = Flight(outgoing, now + self._timeout.confirm)
         self._counters['sent'] += 1
         radio = self._radio
         ends = (radio.endpoint, radio.endpoint, radio.cluster)
         return AfDataRequest(outgoing.dst, *ends, self._trans_id, 0, radio.default_radius, outgoing.data)
+
+    def _next(self, now: float) -> Outgoing | None:
+        """The oldest message that has not waited too long: a robot has no use for where it was."""
+        with self._lock:
+            while self._waiting:
+                outgoing = self._waiting.popleft()
+                if outgoing.attempt > 1 or now - outgoing.born <= self._timeout.send_age:
+                    return outgoing
+                self._counters['send_expired'] += 1
+        return None
 
     def confirm(self, confirm: AfDataConfirm) -> None:
         """The sink says how a message went."""

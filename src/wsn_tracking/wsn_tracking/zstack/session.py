@@ -34,7 +34,7 @@ class Session:
         self.status = Status(port=config.port)
         self._counters = new_counters()
         self.inbox = Inbox(config.host_queue, self._counters)
-        self._outbox = Outbox(config.radio, config.send_queue, config.timeout.confirm, self._counters)
+        self._outbox = Outbox(config.radio, config.send_queue, config.timeout, self._counters)
         self._questions = Questions(maxlen=config.send_queue)
         self._protocol = protocol_of(config.sink_protocol, config.radio, config.timeout.gap)
         self._wake = wake
@@ -49,10 +49,11 @@ class Session:
 
     def close(self) -> None:
         """Give the port back."""
-        self._stop.set()
-        self._bell.ring()
-        self._thread.join()
-        self._bell.close()
+        if not self._stop.is_set():
+            self._stop.set()
+            self._bell.ring()
+            self._thread.join()
+            self._bell.close()
 
     @property
     def counters(self) -> dict[str, int]:
@@ -60,8 +61,8 @@ class Session:
         return {**self._counters, **self._protocol.counters}
 
     def send(self, dst: int, data: bytes) -> None:
-        """Have a payload sent to a node, or to all (0xFFFF), when the link is up."""
-        self._outbox.put(Outgoing(dst, data))
+        """Have a payload sent to a node, or to all (0xFFFF), if the link is up within timeout.send_age."""
+        self._outbox.put(Outgoing(dst, data, time.monotonic()))
         self._bell.ring()
 
     def ask(self, question: Command, answer: type[Command]) -> None:
@@ -124,9 +125,9 @@ class Session:
             if dialogue.restarted:
                 self._outbox.forget()
                 self._attach(dialogue)
-            speak(dialogue, self._outbox, self._questions)
-            watchdog.look()
-            dialogue.listen(min(watchdog.due, self._outbox.deadline))
+            # Whatever is said lets things come in: they are looked at before the line is waited for.
+            elif not speak(dialogue, self._outbox, self._questions) and not watchdog.look():
+                dialogue.listen(min(watchdog.due, self._outbox.deadline))
 
     def _probe(self, dialogue: Dialogue) -> None:
         config = self.config
@@ -170,4 +171,7 @@ class Session:
 
     def _deliver(self, item: object, arrival_ns: int) -> None:
         self.inbox.put(Received(item, arrival_ns))
-        self._wake()
+        try:
+            self._wake()
+        except Exception:  # noqa: BLE001 - a fault of the host must not end the link
+            self._counters['internal_errors'] += 1

@@ -25,6 +25,7 @@ class TimeoutConfig:
     idle: float = param(5.0, 'silence after which the sink is pinged', 's', low=0.01, high=3600.0)
     misses: int = param(3, 'pings without an answer after which the sink is lost', '', low=1, high=100)
     confirm: float = param(5.0, 'confirmation of a message to a node', 's', low=0.01, high=600.0)
+    send_age: float = param(2.0, 'a message to a node that has waited longer for the link is dropped', 's', low=0.01)
     reopen_first: float = param(0.5, 'before the port is opened again; doubles', 's', low=0.001, high=60.0)
     reopen_last: float = param(5.0, 'longest time before the port is opened again', 's', low=0.001, high=600.0)
 
