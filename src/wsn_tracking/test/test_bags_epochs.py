@@ -204,3 +204,11 @@ def test_derived_epochs_partition_the_packets_and_are_stable(packets, asked):
         finals = [e.final for e in ends if e.target_id == target]
         assert finals == [False] * (len(finals) - 1) + [True]
     assert with_epoch_ends(back) == back
+
+
+def test_a_lost_request_is_rebuilt_from_the_end_of_its_epoch():
+    whole = complete()
+    bag = recording([m for m in whole if m != Request(START + SECOND, 1, 1)])
+    back = with_epoch_ends(bag)
+    assert back.messages == tuple(whole)
+    assert back.dropped == {'request_rebuilt': 1}

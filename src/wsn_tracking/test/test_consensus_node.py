@@ -98,7 +98,7 @@ def deliver(nodes, k, order):
     """One epoch in which every node's shares arrive in the order that `order` gives."""
     said = {i: node.begin(epoch_of(k, Z[k])) for i, node in nodes.items()}
     while any(said.values()):
-        for i, node in nodes.items():
+        for node in nodes.values():
             for j in order([j for j in node.neighbours if said[j]]):
                 node.receive(said[j])
         said = {i: node.advance() for i, node in nodes.items()}
@@ -138,7 +138,7 @@ def test_no_array_is_shared_between_nodes(scheme):
     nodes = network_of(ConsensusConfig(scheme=scheme, rounds=6), POSITIONS)
     run_epoch(nodes, epochs(0))
     said = {i: node.begin(epoch_of(1, Z[1])) for i, node in nodes.items()}
-    for i, node in nodes.items():
+    for node in nodes.values():
         for j in node.neighbours:
             node.receive(said[j])
     for node in nodes.values():
@@ -321,21 +321,19 @@ def test_neighbours_may_be_named():
 
 
 def test_a_neighbour_silent_for_three_epochs_no_longer_counts_and_may_come_back():
-    config = ConsensusConfig(rounds=8)
+    """Node 2 is killed after epoch 2 and started anew, with nothing but the prior, in epoch 8."""
+    config = ConsensusConfig(rounds=14)
     nodes = network_of(config, POSITIONS)
     witness = nodes[2].neighbours[0]
-    degrees = []
+    counted, alive = [], []
     for k in range(12):
-        living = [i for i in IDS if i != 2 or k < 3 or k >= 8]
         if k == 8:
-            nodes[2] = network_of(config, POSITIONS)[2]  # started anew: it knows nothing but the prior
-        estimates = run_epoch(nodes, epochs(k, living))
-        degrees.append(2 in nodes[witness].inbox.active)
-        assert (2 in estimates[witness].contributors) == (k < 3 or k > 8 or 2 in estimates[witness].contributors)
-    assert degrees == [True] * 6 + [False] * 3 + [True] * 3
-    errors = {i: np.hypot(*(e.mean - WORLDS.states[0, 11])[:2]) for i, e in estimates.items()}
-    assert errors[2] < 3.0 * max(errors.values()) + 1e-9
-    assert errors[2] < 1.0
+            nodes[2] = network_of(config, POSITIONS)[2]
+        estimates = run_epoch(nodes, epochs(k, [i for i in IDS if i != 2 or k < 3 or k >= 8]))
+        counted.append(2 in nodes[witness].inbox.active)
+        alive.append(2 in estimates[witness].contributors)
+    assert counted == [True] * 6 + [False] * 3 + [True] * 3
+    assert alive == [True] * 3 + [False] * 6 + [True] * 3
 
 
 def test_a_restarted_node_is_back_within_three_epochs():
@@ -419,7 +417,7 @@ def test_a_looped_recording_starts_anew():
 def test_a_configuration_that_contradicts_itself_is_refused():
     with pytest.raises(TrackingError, match='take four numbers'):
         ConsensusConfig(prior=PriorConfig(mean=(1.0, 2.0))).checked()
-    with pytest.raises(TrackingError, match='before `link.cut_from`'):
+    with pytest.raises(TrackingError, match=r'before `link\.cut_from`'):
         ConsensusConfig(link=LinkConfig(cut_from=3, cut_until=2)).checked()
 
 

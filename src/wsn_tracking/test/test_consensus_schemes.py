@@ -198,7 +198,7 @@ def test_too_few_rounds_for_chebyshev_are_refused():
     graph = np.abs(np.subtract.outer(np.arange(12), np.arange(12))) == 1
     with pytest.raises(TrackingError, match=r'chebyshev has 5 rounds .* expected at least \d+'):
         Exchange(SCHEMES['chebyshev'], 5, graph)
-    with pytest.raises(TrackingError, match='contract by 1.0'):
+    with pytest.raises(TrackingError, match=r'contract by 1\.0'):
         chebyshev_guard(1.0)
     assert chebyshev_guard(0.0) == 1
 

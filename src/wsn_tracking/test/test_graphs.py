@@ -346,3 +346,11 @@ def test_a_simulation_sends_a_world_into_the_same_graph(tmp_path):
         'world', 'sensing', 'estimator_1', 'estimator_2', 'estimator_3', 'evaluator', 'bag_recorder'
     }  # fmt: skip
     assert 'bag_recorder' not in by_name(graphs.simulation('a_loop'))
+
+
+def test_a_section_of_no_node_is_refused_with_the_nearest_name(tmp_path):
+    path = tmp_path / 'misspelt.yaml'
+    path.write_text('/**:\n  ros__parameters: {seed: 1}\n/**/estimater_1:\n  ros__parameters: {nodes: [1]}\n')
+    source = source_of('a_loop', a_loop(3))
+    with pytest.raises(TrackingError, match=r'estimater_1.*estimator_1'):
+        graphs.plan_random_q(source, str(path))

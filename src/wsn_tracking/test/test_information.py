@@ -103,7 +103,7 @@ def test_nothing_read_contributes_exactly_nothing(loss):
 
 def test_a_negligible_weight_contributes_exactly_nothing():
     belief, position, z = drawn(2)
-    (i, I), mu = own(belief, position, z + [150.0, 0.0])
+    (i, I), mu = own(belief, position, z + np.array([150.0, 0.0]))
     assert 0.0 <= mu < 1e-8
     assert not i.any()
     assert not I.any()
@@ -112,7 +112,7 @@ def test_a_negligible_weight_contributes_exactly_nothing():
 def test_clutter_is_told_from_the_target_by_how_well_it_fits():
     belief, positions, z = drawn(3, 400)
     assert np.mean(own(belief, positions, z)[1] > 0.5) > 0.97
-    away = z + [np.sqrt(belief.P[:, 0, 0] + belief.P[:, 1, 1]).max() * 6.0, 0.0]
+    away = z + np.array([6.0 * np.sqrt(belief.P[:, 0, 0] + belief.P[:, 1, 1]).max(), 0.0])
     assert np.mean(own(belief, positions, away)[1] > 0.5) < 0.03
 
 
@@ -126,7 +126,7 @@ def test_noise_about_zero_is_told_from_the_target():
 @properties
 @given(seeds, st.integers(1, 3))
 def test_quarter_turns_of_the_world_turn_the_contribution(seed, quarters):
-    """The bearing has no seam. A round belief's points are the same after a quarter turn, so that nothing else differs."""
+    """The bearing has no seam. The points of a round belief are the same after a quarter turn: nothing else differs."""
     belief, position, z = drawn(seed)
     c, s = round(np.cos(quarters * np.pi / 2)), round(np.sin(quarters * np.pi / 2))
     turn = np.array([[c, -s], [s, c]])

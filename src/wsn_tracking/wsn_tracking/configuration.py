@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import difflib
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -185,6 +185,15 @@ class Configuration:
         for section in ('/**', f'/**/{node}', f'/{node}', node):
             values.update(self._sections.get(section, {}))
         return values
+
+    def check_sections(self, nodes: Collection[str]) -> None:
+        """Raise TrackingError for a section that is of none of these nodes: it would have no effect."""
+        for section in self._sections:
+            name = section.rpartition('/')[2]
+            if section != '/**' and name not in nodes:
+                near = difflib.get_close_matches(name, nodes, 1)
+                hint = f'did you mean `{near[0]}`?' if near else f'expected one of {", ".join(sorted(nodes))}'
+                raise TrackingError(f'section `{section}` is of no node of this graph; {hint}')
 
 
 def load_configuration(name: str) -> Configuration:

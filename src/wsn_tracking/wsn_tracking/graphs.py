@@ -29,6 +29,7 @@ from wsn_tracking.simulation.record import record as record_scenario
 from wsn_tracking.simulation.scenarios import scenario
 
 DEFAULT = 'random_q'  # configuration
+NODES = ('sensing', 'sensing_node', 'estimator', 'evaluator', 'bag_player', 'bag_recorder', 'world', 'marker')
 LOSS_TIMEOUT = 20.0  # [s] steady time; a feed that waits loses nothing, so this only tells a broken one
 FUSION_TIMEOUT = 2.0  # [s] a peer that has died; never reached by one that lives
 
@@ -122,6 +123,7 @@ def plan_random_q(
     peers = sorted(build(EstimatorNodeConfig, values('estimator')).peers)
     if not peers:
         raise TrackingError('`peers` is empty: expected the number of at least one estimator')
+    configuration.check_sections([*NODES, *(f'estimator_{n}' for n in peers), *(f'sensing_{i}' for i in source.ids)])
     estimators = []
     for number in peers:
         chosen = values(f'estimator_{number}', id=number, peers=list(peers))

@@ -88,7 +88,24 @@ def _completed(recording: Recording) -> Recording:
             kept = [entry for entry in listed if (*_key(message), *entry) in held]
             dropped['listed_missing'] += max(len(message.node_ids), len(message.seqs)) - len(kept)
             out.append(_end(message, kept, level, place == last[message.target_id]))
-    return recording._replace(messages=tuple(out), dropped=_counted(recording.dropped, dropped))
+    whole, dropped['request_rebuilt'] = _with_requests(out)
+    return recording._replace(messages=whole, dropped=_counted(recording.dropped, dropped))
+
+
+def _with_requests(messages: Sequence[Message]) -> tuple[tuple[Message, ...], int]:
+    """The messages with a Request, of its EpochEnd's stamp, ahead of each epoch that lacks one; and how many do."""
+    asked = {_key(m) for m in messages if isinstance(m, Request)}
+    stamps = {_key(m): m.stamp_ns for m in messages if isinstance(m, EpochEnd)}
+    out: list[Message] = []
+    rebuilt = 0
+    for message in messages:
+        key = _key(message)
+        if key not in asked and key in stamps:
+            asked.add(key)
+            rebuilt += 1
+            out.append(Request(stamps[key], *key))
+        out.append(message)
+    return tuple(out), rebuilt
 
 
 def _end(like: EpochEnd, listed: Sequence[tuple[int, int]], level: str, final: bool) -> EpochEnd:

@@ -9,6 +9,7 @@ from pathlib import Path
 from wsn_tracking import graphs
 from wsn_tracking.commands.base import Commands, add_bag, add_command, add_tracking, progress, settings
 from wsn_tracking.commands.plot import draw
+from wsn_tracking.errors import TrackingError
 from wsn_tracking.evaluation.summary import Summary
 
 
@@ -32,6 +33,10 @@ def _do(options: argparse.Namespace) -> int:
     from wsn_tracking.evaluation.report_json import write_json
     from wsn_tracking.evaluation.table import format_tables, wants_colour
 
+    titles = [Path(bag).resolve().name for bag in options.bags]
+    doubled = sorted({title for title in titles if titles.count(title) > 1})
+    if options.plot and doubled:
+        raise TrackingError(f'several bags are called {", ".join(doubled)}: their plots need folders of their own')
     summaries = [_evaluated(bag, options) for bag in options.bags]
     print(format_tables(summaries, colour=wants_colour(sys.stdout)))
     if options.json:

@@ -27,7 +27,7 @@ def add(commands: Commands) -> None:
         'b_field --set faults=clutter --set dead=[7] -o one_dies',
     )
     command.add_argument('scenario', choices=sorted(SCENARIOS), help='experiment')
-    command.add_argument('--seed', type=seed, default=0, help='of the radio noise, and of a walk that is drawn (default: 0)')
+    command.add_argument('--seed', type=seed, default=0, help='of noise and drawn walks (default: 0)')
     command.add_argument('--live', action='store_true', help='record it through the live graph, not directly')
     command.add_argument(
         '--set', action='append', default=[], metavar='NAME=VALUE', help='set one parameter of the scenario'

@@ -68,14 +68,14 @@ def spread(P: Floats, m: Floats, a: float = 0.5, floor: float = 1e-10) -> Floats
     floor [m^2] times I keeps it invertible. This measures how far the estimates lie apart, not how wrong
     they are: it weighs them, and is never told as accuracy.
     """
-    d = m - m.mean(axis=-2, keepdims=True)
+    d = m - m.sum(axis=-2, keepdims=True) / m.shape[-2]
     return np.asarray(a * d[..., :, None] * d[..., None, :] + (1.0 - a) * P + floor * identity(m.shape[-1]))
 
 
 def lci(m: Floats, P_spread: Floats) -> Fused:
     """Local covariance intersection: CI over `spread`, of which only the mean is told (seed 000, eq. 24)."""
     fused = intersect(m, information(P_spread), trace_weights(P_spread))
-    return Fused(fused.m, np.full_like(fused.P, np.nan))
+    return Fused(fused.m, np.full(fused.P.shape, np.nan))
 
 
 def ici(m: Floats, P: Floats) -> Fused:

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wsn_tracking.models.anchors import Floats
+from wsn_tracking.models.anchors import Floats, Mask
 from wsn_tracking.sensing.values import Reason
 
 SENT = 0  # the verdict of a node that sends; any other is a Reason
@@ -38,10 +38,11 @@ def event(thresholds: EventThresholds) -> Trigger:
         heard = ~np.isnan(y)
         prefiltered = np.where(np.isnan(yhat), y, alpha * yhat + (1.0 - alpha) * y)
         change = np.abs(y - prefiltered)
-        verdict = np.select(
-            [~heard, ~(y > y_min), ~(change > e_min), ~(change < e_max)],
-            [Reason.NOT_HEARD, Reason.OUT_OF_RADIUS, Reason.UNCHANGED, Reason.NOISY],
-            SENT,
+        verdict = _verdicts(
+            (~heard, Reason.NOT_HEARD),
+            (~(y > y_min), Reason.OUT_OF_RADIUS),
+            (~(change > e_min), Reason.UNCHANGED),
+            (~(change < e_max), Reason.NOISY),
         )
         return np.where(heard, prefiltered, yhat), verdict
 
@@ -52,8 +53,7 @@ def near(y_min: float) -> Trigger:
     """Send whenever in radius: eq. 1 alone."""
 
     def step(yhat: Floats, y: Floats, u: Floats) -> tuple[Floats, Verdicts]:
-        verdict = np.select([np.isnan(y), ~(y > y_min)], [Reason.NOT_HEARD, Reason.OUT_OF_RADIUS], SENT)
-        return yhat, verdict
+        return yhat, _verdicts((np.isnan(y), Reason.NOT_HEARD), (~(y > y_min), Reason.OUT_OF_RADIUS))
 
     return step
 
@@ -67,7 +67,14 @@ def random(rate: float) -> Trigger:
     """Send what is heard with a fixed probability: the control that the other triggers must beat."""
 
     def step(yhat: Floats, y: Floats, u: Floats) -> tuple[Floats, Verdicts]:
-        verdict = np.select([np.isnan(y), ~(u < rate)], [Reason.NOT_HEARD, Reason.NOT_DRAWN], SENT)
-        return yhat, verdict
+        return yhat, _verdicts((np.isnan(y), Reason.NOT_HEARD), (~(u < rate), Reason.NOT_DRAWN))
 
     return step
+
+
+def _verdicts(*reasons: tuple[Mask, Reason]) -> Verdicts:
+    """The first reason that applies to each node; SENT where none does."""
+    verdict = np.full(reasons[0][0].shape, SENT)
+    for applies, reason in reversed(reasons):
+        verdict = np.where(applies, int(reason), verdict)
+    return verdict

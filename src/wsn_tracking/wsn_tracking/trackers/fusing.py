@@ -86,7 +86,7 @@ class Fuser:
     def _lci(self, ordered: Sequence[Estimate], m: Floats) -> ci.Fused:
         """Own recursion of every peer's spread; a peer that missed an epoch starts anew at P0."""
         numbers = [e.contributors[0] for e in ordered]
-        before = np.stack([self._spread.get(i, self._P0) for i in numbers])
+        before = np.array([self._spread.get(i, self._P0) for i in numbers])
         after = ci.spread(before, m, self.config.lci_a)
         self._spread = dict(zip(numbers, after, strict=True))
         return ci.lci(m, after)

@@ -89,8 +89,8 @@ def keep_inside(belief: Belief, area: tuple[float, ...]) -> Belief:
     if not area:
         return belief
     m = belief.m.copy()
-    m[..., :2] = np.minimum(np.maximum(m[..., :2], area[:2]), area[2:])
-    return belief._replace(m=m)
+    m[..., :2].clip(area[:2], area[2:], out=m[..., :2])
+    return Belief(m, belief.chol_P)
 
 
 class LocalEstimator:
