@@ -1,12 +1,14 @@
 """The random field of seed 002 as a world and as a recording."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from wsn_tracking.bags.read import read
 from wsn_tracking.bags.save import save
+from wsn_tracking.cli import main
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.models.graph import adjacency, is_connected
 from wsn_tracking.models.range_bearing import wrapped
@@ -73,7 +75,7 @@ def test_the_same_readings_are_lost_whatever_they_read_then(faults):
     z, arrived = packets(config)
     near = np.abs(z[..., 0] - true_readings(config)[..., 0]) < 0.6
     assert np.mean(near) == pytest.approx(0.4 / 0.45, abs=0.04)
-    np.testing.assert_array_equal(near, packets(replace(config, faults='absent'))[1])
+    assert np.mean(near != packets(replace(config, faults='absent'))[1]) < 2e-3  # clutter may be near by chance
     lost = z[~near]
     if faults == 'zero':
         assert np.abs(lost[:, 0]).max() < 0.5
@@ -122,3 +124,32 @@ def test_a_bag_gives_back_what_was_recorded(tmp_path):
     assert repr(back.messages) == repr(recording.messages)
     np.testing.assert_array_equal(back.anchors.positions, recording.anchors.positions)
     assert (back.metadata['scenario'], back.metadata['configuration']) == ('b_field', 'consensus')
+
+
+def test_the_command_line_takes_parameters(tmp_path, capsys):
+    def call(bag, *arguments):
+        with pytest.raises(SystemExit) as ended:
+            main(['simulate', 'b_field', '-o', str(tmp_path / bag), *arguments])
+        return ended.value.code, capsys.readouterr()
+
+    code, (out, _) = call('bag', '--set', 'epochs=4', '--set', 'dead=[7]', '--set', 'dead_from=2')
+    assert code == 0
+    assert '206 messages' in out  # 4 x (50 + 2), but for two of node 7's
+    ends = [m for m in read(tmp_path / 'bag').messages if isinstance(m, EpochEnd)]
+    assert [7 in end.node_ids for end in ends] == [True, True, False, False]
+    for arguments, words in {
+        ('--set', 'epochs'): 'expected name=value',
+        ('--set', 'epochs=0'): 'expected an integer >= 1',
+        ('--set', 'epochs=4', '--live'): '--live takes no --set',
+    }.items():
+        code, (_, err) = call('other', *arguments)
+        assert (code, err.count('\n')) == (1, 1)
+        assert words in err
+
+
+def test_the_bag_of_the_workspace_is_what_the_command_makes():
+    path = next(p / 'bags' / 'b_field' for p in Path(__file__).resolve().parents if (p / 'bags' / 'b_field').is_dir())
+    assert sum(file.stat().st_size for file in path.iterdir()) < 2_000_000
+    bag, made = read(path), record(scenario('b_field'), 1)
+    assert repr(bag.messages) == repr(made.messages)
+    assert len(bag.messages) == 50 * 52

@@ -278,14 +278,16 @@ def test_a_flood_refuses_items_that_do_not_fit_their_ids():
 
 
 def test_a_share_that_breaks_definiteness_leaves_a_node_with_what_it_knows_alone():
-    node, other = pair(ConsensusConfig(rounds=1))
+    node, other = pair(ConsensusConfig(rounds=2))
     alone, _ = pair(ConsensusConfig(rounds=0))
     assert alone.begin(reading(0)) is None
     share = other.begin(reading(0))
     node.begin(reading(0))
     node.receive(share._replace(information=tuple(-1e6 * x for x in share.information)))
     node.advance()
+    node.advance()
     assert node.finish().mean == pytest.approx(alone.finish().mean, abs=1e-9)
+    assert np.isnan(node.disagreement)
 
 
 def test_shares_of_the_future_are_held_up_to_a_bound(monkeypatch):

@@ -19,6 +19,8 @@ from wsn_tracking.parameters import group, param, specs
 from wsn_tracking.sensing.stage import TriggerConfig
 from wsn_tracking.trackers.estimator import EstimatorConfig
 from wsn_tracking.trackers.fusing import FusionConfig
+from wsn_tracking.zstack.clock import ClockConfig
+from wsn_tracking.zstack.settings import LinkConfig
 
 Values = Mapping[str, Any]  # dotted parameter name -> value
 
@@ -139,8 +141,37 @@ class MarkerConfig:
     target_height: float = param(0.0, 'height at which estimates are drawn', 'm', -1e4, 1e4)
 
 
+@dataclass(frozen=True)
+class AnchorsConfig:
+    """The table of nodes that a bridge publishes; columns of one entry are for every node."""
+
+    ids: tuple[int, ...] = param((), 'node ids; empty: somebody else publishes `anchors`', 'id', 0, 65535)
+    x: tuple[float, ...] = param((), 'positions', 'm')
+    y: tuple[float, ...] = param((), 'positions', 'm')
+    z: tuple[float, ...] = param((0.0,), 'heights', 'm')
+    p1_dbm: tuple[float, ...] = param((-45.0,), 'signal strength at 1 m', 'dBm')
+    n: tuple[float, ...] = param((3.0,), 'path loss exponent', '', 0.1, 10.0)
+    sigma_db: tuple[float, ...] = param((1.56,), 'standard deviation of the signal strength', 'dB', 0.01, 100.0)
+
+
+@dataclass(frozen=True)
+class SerialBridgeConfig(LinkConfig, ClockConfig):
+    """serial_bridge_node."""
+
+    period: float = param(1.0, 'T, time between requests of a target', 's', 1e-3, 3600.0)
+    epoch_timeout: float = param(0.0, 'after the first word of an epoch until its EpochEnd; 0: 0.4 T', 's', 0.0, 3600.0)
+    node_map: tuple[str, ...] = param(('',), 'radio=node, where a radio bears another id than its node; empty: none')
+    range_modality: int = param(3, 'what measures ranges: 2 UWB, 3 ultrasound, 4 other', '', 1, 4)
+    feedback: bool = param(False, 'send the estimates on `feedback` to the robots')
+    feedback_address: int = param(0xFFFF, 'network address that feedback is sent to; 65535: all', '', 0, 0xFFFF)
+    sensing_command: bool = param(False, 'send the commands on `sensing_command` to the sensing nodes')
+    topology_period: float = param(30.0, 'how often the sink is asked for its neighbours; 0: never', 's', 0.0, 86400.0)
+    anchors: AnchorsConfig = group(AnchorsConfig)
+
+
 EXECUTABLES: Mapping[str, type[Any]] = {
     'sensing_node': SensingNodeConfig,
+    'serial_bridge_node': SerialBridgeConfig,
     'estimator_node': EstimatorNodeConfig,
     'world_node': WorldConfig,
     'bag_player_node': PlayerConfig,

@@ -29,6 +29,7 @@ from wsn_tracking.trackers.consensus_config import ArrivalConfig, ConsensusConfi
 
 COMMAND = 'python -m wsn_tracking.evaluation.consensus_study -o docs/results'
 SEED = 1
+SIZES = (10, 25, 50, 100, 200, 400)  # nodes
 Row = dict[str, Any]
 Table = list[Row]
 
@@ -116,7 +117,7 @@ def links(worlds: Worlds) -> Table:
 def scaling(field: FieldConfig, node_epochs: int) -> Table:
     """From 10 to 400 nodes at the density of the document: what a node-epoch costs and what a node sends."""
     table = []
-    for nodes in (10, 25, 50, 100, 200, 400):
+    for nodes in SIZES:
         side = float(np.sqrt(nodes / 50.0))
         grown = replace(field, nodes=nodes, width=350.0 * side, depth=400.0 * side, epochs=20)
         runs = max(node_epochs // (nodes * grown.epochs), 1)

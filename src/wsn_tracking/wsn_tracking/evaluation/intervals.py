@@ -27,6 +27,13 @@ def ratio_of(above: Floats, below: Floats, root: bool = False) -> Figure:
     return _figure(ratio, error, 1.0)
 
 
+def change_of(value: Floats, base: Floats) -> Figure:
+    """How far the mean of `value` lies above that of `base`, both of the same runs (R,), in percent."""
+    ratio = float(np.mean(value) / np.mean(base))
+    error = float(np.std(value - ratio * base, ddof=1) / np.mean(base)) / np.sqrt(value.size)
+    return _figure(ratio - 1.0, error, 100.0)
+
+
 def _figure(value: float, error: float, scale: float) -> Figure:
     low, high = value - NORMAL_95 * error, value + NORMAL_95 * error
     return {'value': _short(scale * value), 'interval_95': [_short(scale * low), _short(scale * high)]}

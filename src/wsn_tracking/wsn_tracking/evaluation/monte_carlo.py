@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 from wsn_tracking.evaluation.metrics import nees, position_errors
 from wsn_tracking.filters.belief import Belief
 from wsn_tracking.filters.linalg import matvec
+from wsn_tracking.fusion import covariance_intersection as ci
 from wsn_tracking.models.anchors import Floats, Mask
 from wsn_tracking.models.motion import constant_velocity
 from wsn_tracking.models.noise import white_acceleration
@@ -22,6 +23,7 @@ from wsn_tracking.sensing.trigger import SENT, Trigger, Verdicts
 from wsn_tracking.sensing.values import Reason
 from wsn_tracking.simulation.scenario import Scenario
 from wsn_tracking.simulation.world import noisy_ranges
+from wsn_tracking.trackers.fusing import RULES
 from wsn_tracking.trackers.random_q import random_q_step
 from wsn_tracking.trackers.random_q_config import RandomQConfig
 from wsn_tracking.trackers.readings import MeasurementTable
@@ -121,6 +123,23 @@ def track(scenario: Scenario, sensed: Sensed, start: Belief, config: RandomQConf
         belief = random_q_step(belief, scenario.period if k else 0.0, q[..., k], *given, config)
         m[..., k, :], P[..., k, :, :] = belief.m, belief.P
     return Tracks(m, P)
+
+
+def fuse(tracks: Tracks, rule: str) -> Tracks:
+    """What the estimators of every run make of each other: one estimate more, (runs, 1, K, 4), its P where told.
+
+    The recursion of LCI starts at P0 = diag(START_STD^2).
+    """
+    m, P = np.moveaxis(tracks.m, 1, -2), np.moveaxis(tracks.P, 1, -3)
+    if rule != 'lci':
+        fused = RULES[rule](m, P)
+        return Tracks(fused.m[:, None], fused.P[:, None])
+    spread = np.broadcast_to(np.diag(np.square(START_STD)), P[:, 0].shape)
+    steps = []
+    for k in range(m.shape[1]):
+        spread = ci.spread(spread, m[:, k])
+        steps.append(ci.lci(m[:, k], spread))
+    return Tracks(np.stack([s.m for s in steps], axis=1)[:, None], np.stack([s.P for s in steps], axis=1)[:, None])
 
 
 def errors(tracks: Tracks, sensed: Sensed) -> Floats:

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from wsn_tracking.errors import TrackingError
-from wsn_tracking.evaluation import study_random_q
+from wsn_tracking.evaluation import study_process_noise, study_random_q, study_triggers
 from wsn_tracking.files import write_whole
 
 COMMAND = 'python -m wsn_tracking.evaluation.study -o docs/results'
@@ -26,6 +26,9 @@ STUDIES: Mapping[str, Mapping[str, Study]] = {  # file: its studies
         'trigger_rate': study_random_q.trigger_rate,
         'update_forms': study_random_q.update_forms,
         'matched_model': study_random_q.matched_model,
+        'process_noise': study_process_noise.process_noise,
+        'fusion_rules': study_process_noise.fusion_rules,
+        'data_rate': study_triggers.data_rate,
     },
 }
 

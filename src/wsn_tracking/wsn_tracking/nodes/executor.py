@@ -67,6 +67,10 @@ class DrainingExecutor(SingleThreadedExecutor):
         wait_set.wait(int(STOCK_PERIOD * 1e9))
         pointers = set(wait_set.get_ready_entities('subscription'))
         ready = [subscription for subscription in subscriptions if subscription.handle.pointer in pointers]
+        triggered = set(wait_set.get_ready_entities('guard_condition'))
+        for guard in node.guards:  # a wait takes the trigger away: the stock executor would not see it
+            if guard.handle.pointer in triggered:
+                guard.callback()
         needs_stock = bool(wait_set.get_ready_entities('service') or wait_set.get_ready_entities('guard_condition'))
         return ready, needs_stock
 

@@ -50,3 +50,12 @@ def truth(estimates: int, poses: int) -> Health:
     if estimates and not poses:
         return Health(WARN, 'estimates come, but no truth')
     return Health(OK, '')
+
+
+def link(up: bool, error: str, requests: Health) -> Health:
+    """A link that is down is an error, with the reason; requests that stop on a link that is up are a warning."""
+    if not up:
+        return Health(ERROR, f'no sink: {error}' if error else 'the sink is being attached')
+    if requests.level == ERROR:
+        return Health(WARN, requests.sentence)
+    return requests

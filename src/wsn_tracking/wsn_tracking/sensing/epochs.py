@@ -150,7 +150,7 @@ class EpochAssembler:
 
     def _take_second(self, request: Request, now: float) -> None:
         """A request while a new run waits to begin: it belongs there, or shows that there is none."""
-        if not self._is_stray(self._ahead[0], request):
+        if not self._is_stray(request):
             self._hold(request)
             self._follow(now)
             return
@@ -267,9 +267,9 @@ class EpochAssembler:
     def _begins_in_the_past(self, request: Request) -> bool:
         return self._newest is not None and request.stamp_ns < self._newest.stamp_ns - JUMP_NS
 
-    def _is_stray(self, first: Request, second: Request) -> bool:
+    def _is_stray(self, second: Request) -> bool:
         """Whether a request that fell back in time was one bad stamp: the next one goes on where the old run was."""
-        return self._jumps(first) and self._newest is not None and second.stamp_ns > self._newest.stamp_ns
+        return self._jumps(self._ahead[0]) and self._newest is not None and second.stamp_ns > self._newest.stamp_ns
 
     def _is_confirmed(self) -> bool:
         """A jump back counts when a second request follows it there; a new numbering counts at once."""

@@ -47,7 +47,7 @@ def a_heading(seed: int = 0) -> Scenario:
     headings = 2.0 * np.pi * keyed(seed, WALK, 0).random(12)
     inside = (AREA[0] + 0.2, AREA[1] + 0.2, AREA[2] - 0.2, AREA[3] - 0.2)
     walk = headings_inside(inside, headings, SPEED, 10.0, np.arange(120))
-    return _robot('a_heading', 'random_q', _on_grid(), walk, 0.12, 0.3)
+    return _robot('a_heading', 'a_heading', _on_grid(), walk, 0.12, 0.27)
 
 
 def _robot(

@@ -1,0 +1,114 @@
+"""The live graph as real processes: how many ranges a second it bears, and how fast it goes at full speed."""
+
+from __future__ import annotations
+
+import os
+import re
+import signal
+import subprocess
+import tempfile
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+from wsn_tracking import graphs, processes
+from wsn_tracking.bags.save import save
+from wsn_tracking.errors import TrackingError
+from wsn_tracking.evaluation.benchmark_bags import loop
+from wsn_tracking.evaluation.benchmark_rows import Row, Sizes, at_least
+from wsn_tracking.simulation.record import record
+from wsn_tracking.simulation.scenarios import scenario
+
+GROUP = 'graph'
+NODES, HERTZ = 12, 10.0
+BEHIND_S = 0.5  # how far the outputs may be behind the feed: what falls behind steadily is stopped here, and takes longer
+SLACK = 1.02  # of the time that the feed should take
+SENT = re.compile(r'sent (\d+) epochs in ([\d.]+) s \(([\d.]+) x real time\)')
+
+
+class Played(NamedTuple):
+    """What the feed of a graph says at its end."""
+
+    epochs: int
+    seconds: float
+    speed: float  # times real time
+
+
+def play(graph: Sequence[graphs.Process], timeout: float = 120.0) -> Played:
+    """Run a graph until its feed ends; TrackingError where the feed, or before it any other process, fails."""
+    running: dict[str, subprocess.Popen[str]] = {}
+    feed = next(p.name for p in graph if p.name in processes.FEEDS)
+    with tempfile.TemporaryDirectory(prefix='wsn_tracking_') as folder:
+        try:
+            for process in graph:
+                running[process.name] = _start(process, Path(folder))
+            said, _ = running[feed].communicate(timeout=timeout)
+            failed = {name: p.returncode for name, p in running.items() if p.poll()}
+        except subprocess.TimeoutExpired:
+            raise TrackingError(f'{feed} has not ended after {timeout:g} s: the graph has lost something') from None
+        finally:
+            _end(running.values())
+    found = SENT.search(said)
+    if found is None or failed:
+        raise TrackingError(f'the graph failed ({failed or feed}): {said[-500:]}')
+    return Played(int(found[1]), float(found[2]), float(found[3]))
+
+
+def _start(process: graphs.Process, folder: Path) -> subprocess.Popen[str]:
+    words = processes.command(process, processes.write_parameters(process, folder))
+    said = subprocess.PIPE if process.name in processes.FEEDS else subprocess.DEVNULL
+    return subprocess.Popen(words, env=private(), stdout=said, stderr=subprocess.STDOUT, text=True)
+
+
+def private() -> Mapping[str, str]:
+    """An environment whose nodes see nobody else's, as far as a number below 100 can tell."""
+    return {**os.environ, 'ROS_DOMAIN_ID': str(1 + os.getpid() % 99), 'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST'}
+
+
+def _end(running: Iterable[subprocess.Popen[str]]) -> None:
+    for process in running:
+        if process.poll() is None:
+            process.send_signal(signal.SIGINT)
+    for process in running:
+        try:
+            process.communicate(timeout=processes.GRACE)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.communicate()
+
+
+def loaded(bag: Path, ranges_per_s: float) -> tuple[graphs.Process, ...]:
+    """A player at that load, 12 sensing nodes in one process that send whatever they hear, three estimators."""
+    source, _ = graphs.open_bag(str(bag))
+    plan = graphs.plan_random_q(source, settings={'trigger.kind': 'always'})
+    parameters = {
+        'bag': str(bag),
+        'rate': ranges_per_s / (NODES * HERTZ),
+        'window': max(round(BEHIND_S * ranges_per_s / NODES), 4),
+    }
+    feed = graphs.Process('bag_player_node', 'bag_player', parameters)
+    return graphs.random_q_graph(source, plan, feed, replay=True)
+
+
+def bears(bag: Path, ranges_per_s: float) -> bool:
+    """Whether the graph keeps up with that load: nothing lost (an error in a replay), and no growing backlog."""
+    played = play(loaded(bag, ranges_per_s))
+    planned = (played.epochs - 1) * NODES / ranges_per_s
+    return played.seconds <= SLACK * planned + 0.1
+
+
+def rows(sizes: Sizes) -> Iterable[Row]:
+    """The highest load that the graph bears, and the speed of scenario L at rate max."""
+    with tempfile.TemporaryDirectory(prefix='wsn_tracking_') as folder:
+        bag, a_loop = Path(folder, 'load'), Path(folder, 'a_loop')
+        save(bag, loop(1.0 / HERTZ, sizes.graph_s * max(sizes.rates) / (NODES * HERTZ)))
+        save(a_loop, record(scenario('a_loop'), 1))
+        work = '12 sensing nodes in a process, 3 estimators, nothing lost or late'
+        tried = ', '.join(f'{rate:g}' for rate in sizes.rates)
+        try:
+            borne = next((rate for rate in sorted(sizes.rates, reverse=True) if bears(bag, rate)), 0.0)
+            yield Row(GROUP, work, 'ranges/s', borne, goal=at_least(2400.0), note=f'of {tried}')
+            speed = play(graphs.replay(str(a_loop), rate=0.0)).speed
+            yield Row(GROUP, 'a_loop at rate max, with evaluator', 'x real time', speed, goal=at_least(50.0))
+        except TrackingError as error:
+            yield Row(GROUP, work, 'ranges/s', None, goal=at_least(2400.0), note=str(error))

@@ -1,0 +1,87 @@
+"""What process noise and fusion do to system A on a target that always turns (seed 000, section 3.1, its table 1)."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from wsn_tracking.evaluation import monte_carlo as mc
+from wsn_tracking.evaluation.intervals import change_of, mean_of, ratio_of
+from wsn_tracking.evaluation.metrics import ei
+from wsn_tracking.models.anchors import Floats
+from wsn_tracking.sensing import trigger
+from wsn_tracking.simulation.scenarios import scenario
+from wsn_tracking.trackers.random_q_config import NoiseConfig, RandomQConfig, UpdateConfig
+
+Result = dict[str, Any]
+FIXED = (2.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 12.0)
+INTERVALS = ((2.0, 6.0), (4.0, 6.0), (8.0, 10.0), (8.0, 12.0), (2.0, 12.0), (4.0, 10.0), (6.0, 8.0))  # table 1
+RULES = ('trace', 'optimal', 'mean', 'lci', 'ici')
+ESTIMATORS = 3
+
+
+def identity_noise(q_min: float, q_max: float, r: str = 'measured') -> RandomQConfig:
+    """The document's filter with q ~ U[q_min, q_max]; r as it has it, or `predicted`."""
+    return RandomQConfig(noise=NoiseConfig(q_min=q_min, q_max=q_max), update=UpdateConfig(r=r))
+
+
+class Circle:
+    """Runs of a_circle that every variant tracks: the same readings, starts and draws."""
+
+    def __init__(self, runs: int, seed: int) -> None:
+        generator = np.random.default_rng(seed)
+        self.scenario = scenario('a_circle')
+        step = trigger.event(trigger.EventThresholds(alpha=self.scenario.alpha))
+        self.sensed = mc.sense(self.scenario, mc.repeated(self.scenario, runs), step, generator)
+        self.start = mc.start_near(self.sensed.states, generator)
+        self.uniform = generator.random((runs, ESTIMATORS, len(self.scenario.truth)))
+
+    def fixed(self, q: float, r: str = 'measured') -> Floats:
+        """EI (runs,) [m] of one filter whose q is fixed."""
+        tracks = mc.track(self.scenario, self.sensed, self.start, identity_noise(q, q, r))
+        return ei(mc.errors(tracks, self.sensed))[:, 0]
+
+    def drawn(
+        self, interval: tuple[float, float], r: str = 'measured', rules: tuple[str, ...] = RULES
+    ) -> tuple[Floats, dict[str, Floats]]:
+        """EI (runs,) [m] of the estimators on the average, and of each rule's fusion of them."""
+        tracks = mc.track(self.scenario, self.sensed, self.start, identity_noise(*interval, r), self.uniform)
+        local = ei(mc.errors(tracks, self.sensed)).mean(axis=1)
+        return local, {rule: ei(mc.errors(mc.fuse(tracks, rule), self.sensed))[:, 0] for rule in rules}
+
+
+def process_noise(runs: int = 1000, seed: int = 1) -> Result:
+    """Error indicator of one filter on a_circle by its fixed q (figure 2 of the document)."""
+    circle = Circle(runs, seed)
+    result: Result = {'runs': runs, 'seed': seed}
+    for r in ('measured', 'predicted'):
+        eis = {q: circle.fixed(q, r) for q in FIXED}
+        result[f'ckf_{r}'] = {
+            'ei_cm': {f'q_{q:g}': mean_of(value, 100.0) for q, value in eis.items()},
+            'ei_of_q_7': {f'q_{q:g}': ratio_of(value, eis[7.0]) for q, value in eis.items() if q != 7.0},
+            'best_q': min(eis, key=lambda q: float(eis[q].mean())),
+        }
+    return result
+
+
+def fusion_rules(runs: int = 1000, seed: int = 1) -> Result:
+    """Error indicator on a_circle of three random-q filters, and what each fusion rule changes (table 1 of the document).
+
+    Percent of the local error indicator, run by run over the same readings; negative is better.
+    """
+    circle = Circle(runs, seed)
+    result: Result = {'runs': runs, 'seed': seed}
+    for r in ('measured', 'predicted'):
+        seven = circle.fixed(7.0, r)
+        table = {}
+        for interval in INTERVALS:
+            local, fused = circle.drawn(interval, r)
+            table['q_{:g}_to_{:g}'.format(*interval)] = {
+                'local_ei_cm': mean_of(local, 100.0),
+                'change_percent': {rule: change_of(value, local) for rule, value in fused.items()},
+            }
+            if interval == (6.0, 8.0):
+                table['q_6_to_8']['change_percent_from_fixed_7'] = change_of(local, seven)
+        result[f'ckf_{r}'] = table
+    return result

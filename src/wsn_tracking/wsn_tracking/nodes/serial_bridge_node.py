@@ -1,0 +1,173 @@
+"""serial_bridge_node: a real sink on a serial line in, requests, measurements and epoch ends out."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import numpy as np
+from wsn_tracking_msgs import msg
+
+from wsn_tracking.bridging import Bridge, Rules, Value
+from wsn_tracking.configuration import AnchorsConfig, SerialBridgeConfig
+from wsn_tracking.errors import TrackingError
+from wsn_tracking.models.anchors import Anchors, make_anchors
+from wsn_tracking.nodes import convert, qos
+from wsn_tracking.nodes.base import TrackingNode, run
+from wsn_tracking.nodes.health import Health, link
+from wsn_tracking.nodes.stations import Stations
+from wsn_tracking.sensing.values import EpochEnd, Range, Request, Rssi, TriggerReport
+from wsn_tracking.trackers.estimate import Estimate
+from wsn_tracking.zstack.commands import ZdoMgmtLqiReq, ZdoMgmtLqiRsp
+from wsn_tracking.zstack.intake import Intake
+from wsn_tracking.zstack.lqi import SCALES
+from wsn_tracking.zstack.payload import Payload, PayloadType, encode_payload
+from wsn_tracking.zstack.records import FeedbackRecord, Record, SensingRecord
+from wsn_tracking.zstack.session import Session
+
+TICK = 0.01  # [s] how often epochs are looked at that are over
+OUTPUTS = {
+    Request: ('request', msg.LocationRequest, convert.request_message),
+    Rssi: ('rssi', msg.RssiMeasurement, convert.rssi_message),
+    Range: ('range', msg.RangeMeasurement, convert.range_message),
+    EpochEnd: ('epoch_end', msg.EpochEnd, convert.epoch_end_message),
+    TriggerReport: ('trigger_report', msg.TriggerReport, convert.report_message),
+}
+
+
+class SerialBridgeNode(TrackingNode[SerialBridgeConfig]):
+    """Takes what the session of the sink delivers, and publishes what it means."""
+
+    def __init__(self) -> None:
+        super().__init__('serial_bridge_node', SerialBridgeConfig)
+        config = self.config
+        timeout = config.epoch_timeout or 0.4 * config.period
+        rules = Rules(round(timeout * 1e9), config.range_modality, node_map(config.node_map))
+        self._bridge = Bridge(rules, time.time_ns() - time.monotonic_ns())
+        self._intake = Intake(config, SCALES[config.lqi_scale])
+        self._stations = Stations()
+        self._sent_down = 0
+        self._outputs = {kind: self.give(cls, topic, qos.MEASUREMENTS) for kind, (topic, cls, _) in OUTPUTS.items()}
+        self._link = self.create_publisher(msg.LinkStatus, 'link_status', qos.LATCHED_LAST)
+        self._topology = self.create_publisher(msg.Topology, 'topology', qos.LATCHED_LAST)
+        if config.anchors.ids:
+            table = convert.anchors_message(anchors_of(config.anchors), time.time_ns())
+            self.create_publisher(msg.Anchors, 'anchors', qos.LATCHED_LAST).publish(table)
+        if config.feedback:
+            self.take(msg.TargetEstimate, 'feedback', convert.peer_value, self._feed_back, qos.ESTIMATES)
+        if config.sensing_command:
+            self.take(msg.SensingCommand, 'sensing_command', lambda m: m, self._command, qos.ESTIMATES)
+        self.create_timer(TICK, self._end_epochs)
+        self.create_timer(1.0, self._tell)
+        if config.topology_period:
+            self.create_timer(config.topology_period, self._ask_topology)
+        woken = self.create_guard_condition(self._take_all)
+        self._session = Session(config, woken.trigger)
+        self._session.start()
+
+    def destroy_node(self) -> None:
+        """Give the port back first: nobody may wake a node that is gone."""
+        self._session.close()
+        super().destroy_node()
+
+    # ---- up
+
+    def _take_all(self) -> None:
+        for received in self._session.inbox.take():
+            self._stations.see(received)
+            taken = self._intake.take(received)
+            if taken is not None:
+                self._publish(self._bridge.take(taken, time.monotonic_ns()))
+
+    def _end_epochs(self) -> None:
+        self._publish(self._bridge.due(time.monotonic_ns()))
+
+    def _publish(self, values: Iterable[Value]) -> None:
+        for value in values:
+            to_message: Any = OUTPUTS[type(value)][2]
+            self._outputs[type(value)].publish(to_message(value))
+            if isinstance(value, Request):
+                self._last_input['request'] = time.monotonic()
+
+    # ---- down
+
+    def _feed_back(self, estimate: Estimate, now: float) -> None:
+        x, y, vx, vy = estimate.mean.tolist()
+        self._send(PayloadType.FEEDBACK, FeedbackRecord(estimate.target_id, x, y, vx, vy), self.config.feedback_address)
+
+    def _command(self, m: msg.SensingCommand, now: float) -> None:
+        record = SensingRecord(m.node_id, int(m.active), m.y_min, m.e_min, m.e_max)
+        self._send(PayloadType.COMMAND, record, self._stations.address_of(m.node_id))
+
+    def _send(self, kind: PayloadType, record: Record, address: int) -> None:
+        try:
+            data = encode_payload(
+                Payload(kind, 0, self._sent_down % 65536, int(time.monotonic() * 1e3) % 2**32, (record,))
+            )
+        except TrackingError as error:
+            self.malformed['feedback' if kind == PayloadType.FEEDBACK else 'sensing_command'] += 1
+            self.get_logger().warning(str(error), throttle_duration_sec=5.0)
+            return
+        self._sent_down += 1
+        self._session.send(address, data)
+
+    # ---- what is told of the line
+
+    def _ask_topology(self) -> None:
+        self._session.ask(ZdoMgmtLqiReq(0, 0), ZdoMgmtLqiRsp)
+
+    def _tell(self) -> None:
+        status, counters = self._session.status, self._counters()
+        m = msg.LinkStatus(
+            header=convert.header(time.time_ns()), port=status.device or status.port, connected=status.up
+        )
+        m.header.frame_id = ''
+        m.firmware = str(status.sink.version or '') if status.sink else ''
+        m.device_state = 0 if status.network is None else status.network.state
+        m.channel = 0 if status.network is None else status.network.channel
+        m.pan_id = 0xFFFF if status.network is None else status.network.pan_id
+        m.counter_names, m.counters = list(counters), list(counters.values())
+        self._link.publish(m)
+        self._topology.publish(self._stations.message(time.monotonic_ns()))
+
+    def _counters(self) -> dict[str, int]:
+        return {**self._session.counters, **self._intake.counters, **self._bridge.counters}
+
+    def health(self) -> Health:
+        """The link; requests that stopped."""
+        return link(self._session.status.up, self._session.status.error, super().health())
+
+    def state(self) -> Mapping[str, Any]:
+        """Every counter of the line."""
+        return {'phase': self._session.status.phase, 'sent down': self._sent_down, **self._counters()}
+
+
+def node_map(entries: Iterable[str]) -> dict[int, int]:
+    """radio=node entries; TrackingError for any other."""
+    ids = {}
+    for entry in filter(None, entries):
+        radio, _, node = entry.partition('=')
+        if not (radio.isdecimal() and node.isdecimal() and int(radio) < 65536 and int(node) < 65536):
+            raise TrackingError(f'parameter `node_map` holds {entry!r}: expected radio=node, e.g. 4660=3')
+        ids[int(radio)] = int(node)
+    return ids
+
+
+def anchors_of(config: AnchorsConfig) -> Anchors:
+    """The table of the parameters; TrackingError where columns do not fit."""
+    n = len(config.ids)
+    for name in ('x', 'y', 'z', 'p1_dbm', 'n', 'sigma_db'):
+        column = getattr(config, name)
+        if len(column) not in {n, 1}:
+            raise TrackingError(
+                f'parameter `anchors.{name}` has {len(column)} entries, `anchors.ids` {n}: expected as many, or 1'
+            )
+    columns = {name: np.broadcast_to(getattr(config, name), n) for name in ('x', 'y', 'z', 'p1_dbm', 'n', 'sigma_db')}
+    positions = np.column_stack([columns.pop('x'), columns.pop('y'), columns.pop('z')])
+    return make_anchors(config.ids, positions, **columns)
+
+
+def main() -> None:
+    """Run the node."""
+    run(SerialBridgeNode)
