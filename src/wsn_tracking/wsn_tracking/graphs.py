@@ -19,6 +19,7 @@ from wsn_tracking.configuration import (
     Configuration,
     EstimatorNodeConfig,
     SensingNodeConfig,
+    SerialBridgeConfig,
     Values,
     load_configuration,
 )
@@ -29,7 +30,8 @@ from wsn_tracking.simulation.record import record as record_scenario
 from wsn_tracking.simulation.scenarios import scenario
 
 DEFAULT = 'random_q'  # configuration
-NODES = ('sensing', 'sensing_node', 'estimator', 'evaluator', 'bag_player', 'bag_recorder', 'world', 'marker')
+BRIDGE = 'serial_bridge'
+NODES = (BRIDGE, 'sensing', 'sensing_node', 'estimator', 'evaluator', 'bag_player', 'bag_recorder', 'world', 'marker')
 LOSS_TIMEOUT = 20.0  # [s] steady time; a feed that waits loses nothing, so this only tells a broken one
 FUSION_TIMEOUT = 2.0  # [s] a peer that has died; never reached by one that lives
 
@@ -239,12 +241,46 @@ def simulation(
     )
 
 
+def serial(
+    configuration: str = 'serial_bridge',
+    *,
+    settings: Values | None = None,
+    evaluator: Values | None = None,
+    record: str = '',
+    markers: bool = False,
+) -> tuple[Process, ...]:
+    """A sink on a serial line and the live graph of system A; an evaluator only where somebody publishes the truth."""
+    loaded = load_configuration(configuration)
+    given = {**loaded.of(BRIDGE), **(settings or {})}
+    bridge = build(SerialBridgeConfig, given)
+    source = Source(
+        title='serial',
+        entry_level='rssi',
+        ids=bridge.anchors.ids,
+        targets=(),
+        metadata={'period': f'{bridge.period:g}'},
+        topics=('request', 'rssi', 'epoch_end'),
+    )
+    plan = plan_random_q(source, loaded, settings)
+    return random_q_graph(
+        source,
+        plan,
+        Process('serial_bridge_node', BRIDGE, given),
+        live=True,
+        settings=settings,
+        evaluator=evaluator,
+        record={'output': str(Path(record).resolve())} if record else None,
+        markers=markers,
+    )
+
+
 def random_q_graph(
     source: Source,
     plan: Plan,
     feed: Process,
     *,
-    replay: bool,
+    replay: bool = False,
+    live: bool = False,
     settings: Values | None = None,
     evaluator: Values | None = None,
     record: Values | None = None,
@@ -253,10 +289,12 @@ def random_q_graph(
 ) -> tuple[Process, ...]:
     """Feed, sensing nodes (in one process, or one each), estimators, evaluator; a recorder and markers where asked for.
 
-    Both feeds wait for the graph, so no timeout of a live network applies, unless `settings` say so; in replay, what is
-    missing is an error. Parameters of feed, evaluator and recorder come from the plan as well.
+    Player and world wait for the graph, so no timeout of a live network applies, unless `settings` say so; in replay,
+    what is missing is an error. A `live` feed waits for nobody. Parameters of feed, evaluator and recorder come from the plan as well.
     """
     patient = {'lossless': replay, 'loss_timeout': LOSS_TIMEOUT, 'fusion_timeout': FUSION_TIMEOUT}
+    if live:
+        patient = {'lossless': False}
     timing = {name: (settings or {}).get(name, value) for name, value in patient.items()}
     processes = [_sensing(node, plan, timing) for node in _split(source, plan, one_process_each)]
     numbers = [values['id'] for values in plan.estimators]

@@ -21,7 +21,7 @@ from wsn_tracking.simulation.scenarios import scenario
 
 GROUP = 'graph'
 NODES, HERTZ = 12, 10.0
-BEHIND_S = 0.5  # how far the outputs may be behind the feed: what falls behind steadily is stopped here, and takes longer
+BEHIND = 64  # epochs that the outputs may be behind the feed (their messages fit every queue): more, and it has to wait
 SLACK = 1.02  # of the time that the feed should take
 SENT = re.compile(r'sent (\d+) epochs in ([\d.]+) s \(([\d.]+) x real time\)')
 
@@ -81,11 +81,7 @@ def loaded(bag: Path, ranges_per_s: float) -> tuple[graphs.Process, ...]:
     """A player at that load, 12 sensing nodes in one process that send whatever they hear, three estimators."""
     source, _ = graphs.open_bag(str(bag))
     plan = graphs.plan_random_q(source, settings={'trigger.kind': 'always'})
-    parameters = {
-        'bag': str(bag),
-        'rate': ranges_per_s / (NODES * HERTZ),
-        'window': max(round(BEHIND_S * ranges_per_s / NODES), 4),
-    }
+    parameters = {'bag': str(bag), 'rate': ranges_per_s / (NODES * HERTZ), 'window': BEHIND}
     feed = graphs.Process('bag_player_node', 'bag_player', parameters)
     return graphs.random_q_graph(source, plan, feed, replay=True)
 

@@ -23,7 +23,8 @@ from wsn_tracking.evaluation import consensus_runs as runs_of
 from wsn_tracking.evaluation.consensus_runs import Scores, Worlds, mean_nees, mode_accuracy, rmse, traffic
 from wsn_tracking.files import write_whole
 from wsn_tracking.fusion.weights import chebyshev_guard, contraction, metropolis
-from wsn_tracking.models.graph import adjacency, degrees, diameter
+from wsn_tracking.models.anchors import Mask
+from wsn_tracking.models.graph import adjacency, component_sizes, degrees, diameter, is_connected
 from wsn_tracking.simulation.b_field import FieldConfig
 from wsn_tracking.trackers.consensus_config import ArrivalConfig, ConsensusConfig, LinkConfig, ObservationConfig
 
@@ -100,18 +101,36 @@ def links(worlds: Worlds) -> Table:
     epochs, nodes = worlds.arrived.shape[1:]
     alive = np.ones((epochs, nodes), dtype=np.bool_)
     alive[epochs // 2 :, 0] = False
+    held = is_connected(adjacency(worlds.positions[:, 1:], ConsensusConfig().radius))
     table = []
     for scheme in ('cm', 'icf', 'flood', 'hcmci'):
         base = ConsensusConfig(scheme=scheme)
         for loss in (0.0, 0.3, 0.5):
             config = replace(base, link=LinkConfig(loss=loss))
             table.append(_row(f'{scheme}, {loss:.0%} lost', runs_of.track(config, worlds), {}))
-        table.append(_row(f'{scheme}, node 1 dies half-way', runs_of.track(base, worlds, alive), {}))
+        dying = runs_of.track(base, worlds, alive)
+        table.append(_row(f'{scheme}, node 1 dies half-way', dying, {}))
+        name = f'{scheme}, the same, where that parts nobody ({held.sum()} runs)'
+        table.append(_row(name, _some(dying, held), {}))
+        whole = _some(runs_of.track(base, worlds), held)
+        table.append(_row(f'{scheme}, the same runs without a death', whole, {}))
         cut = replace(base, link=LinkConfig(cut_at=175.0, cut_from=15, cut_until=30))
         table.append(_row(f'{scheme}, two halves from epoch 15 to 30', runs_of.track(cut, worlds), {}))
     small = replace(ConsensusConfig(scheme='cm', rounds=100), radius=50.0)
-    table.append(_row('cm, L = 100, radius 50 m: falls apart', runs_of.track(small, worlds), {}))
+    apart = runs_of.track(small, worlds)
+    table.append(_row('cm, L = 100, radius 50 m: falls apart', apart, {}))
+    many = component_sizes(adjacency(worlds.positions, 50.0)) >= 4
+    table.append(_row('the same, nodes that hear three others or more, in however many hops', _at(apart, many), {}))
     return table
+
+
+def _some(scores: Scores, runs: Mask) -> Scores:
+    return Scores(*(column[runs] for column in scores))
+
+
+def _at(scores: Scores, nodes: Mask) -> Scores:
+    """Only some nodes (runs, N) of each run."""
+    return Scores(*(np.where(nodes[:, None, :], column, np.nan) for column in scores))
 
 
 def scaling(field: FieldConfig, node_epochs: int) -> Table:

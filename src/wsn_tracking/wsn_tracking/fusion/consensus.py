@@ -34,8 +34,11 @@ def _cm_finish(prior: Floats, average: Floats, before: Floats, after: Floats) ->
 
 
 def _icf_finish(prior: Floats, average: Floats, before: Floats, after: Floats) -> Floats:
-    """Y = n V; while the network grows or shrinks with the smaller n, which claims too little rather than too much."""
-    return np.minimum(before, after)[..., None] * average
+    """Y = n V. Of a network that grows, the newcomers' share is left out; of one that shrinks, the node's own prior
+    stands in for the priors that went with it. All priors together never count more than once.
+    """
+    n = np.minimum(before, after)
+    return n[..., None] * average + (1.0 - n / before)[..., None] * prior
 
 
 def _shared_prior(prior: Floats, own: Floats, before: Floats) -> Floats:
