@@ -1,6 +1,6 @@
 # Each target prepares what it needs by itself (see env).
 
-.PHONY: run test build study clean
+.PHONY: run test build study bench clean
 
 # make run BAG=path takes another bag.
 run:
@@ -17,6 +17,12 @@ build:
 
 study:
 	./env python -m wsn_tracking.evaluation.study -o docs/results
+	./env python -m wsn_tracking.live_study -o docs/results
+
+# make bench JSON=path writes the table for machines, too. A peer that cannot be installed is left out of it.
+bench:
+	-./env python -m pip install -q --disable-pip-version-check --no-deps --no-build-isolation -r requirements-bench.txt
+	./wsn-tracking bench $(if $(JSON),--json $(JSON))
 
 clean:
 	rm -rf .venv .venv-system build install log .coverage .coverage.* .hypothesis .mypy_cache .pytest_cache .ruff_cache

@@ -9,16 +9,10 @@ import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
-import numpy as np
 from domain_coordinator import domain_id
 
 from wsn_tracking import processes
-from wsn_tracking.bags.decode import decode
-from wsn_tracking.bags.messages import estimates_of
-from wsn_tracking.bags.read import raw_messages
-from wsn_tracking.bags.types import ESTIMATE, split_topic
 from wsn_tracking.graphs import Process
-from wsn_tracking.trackers.estimate import Estimate
 
 ROOT = Path(__file__).resolve().parents[1]
 A_LOOP = ROOT / 'bags' / 'a_loop'
@@ -66,32 +60,3 @@ def wait_all(running: Mapping[str, subprocess.Popen[str]], names: Sequence[str],
         assert running[name].returncode == 0, f'{name} ended with {running[name].returncode}:\n{output}'
         outputs[name] = output
     return outputs
-
-
-def recorded_estimates(bag: Path) -> dict[str, list[Estimate]]:
-    """Estimates in a bag by output, in the order of the log."""
-    by_topic: dict[str, list[bytes]] = {}
-    for raw in raw_messages(bag):
-        if raw.type_name == ESTIMATE:
-            by_topic.setdefault(split_topic(raw.topic).name.removeprefix('estimate/'), []).append(raw.cdr)
-    found = {}
-    for name, cdrs in by_topic.items():
-        groups, bad = decode(ESTIMATE, cdrs)
-        assert bad == 0
-        rows: list[Estimate | None] = [None] * len(cdrs)
-        for group in groups:
-            for row, estimate in zip(group.rows.tolist(), estimates_of(group.columns), strict=True):
-                rows[row] = estimate
-        found[name] = [estimate for estimate in rows if estimate is not None]
-    return found
-
-
-def differences(one: Sequence[Estimate], other: Sequence[Estimate]) -> list[str]:
-    """Where two sequences of estimates differ in any decoded number, bit for bit."""
-    found = [] if len(one) == len(other) else [f'{len(one)} estimates against {len(other)}']
-    for a, b in zip(one, other, strict=False):
-        for field, left, right in zip(Estimate._fields, a, b, strict=True):
-            same = np.array_equal(left, right, equal_nan=field in {'q', 'covariance'})
-            if not same:
-                found.append(f'epoch {a.request_seq} of {a.source}: {field} {left} != {right}')
-    return found

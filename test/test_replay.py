@@ -10,6 +10,7 @@ import pytest
 
 import live
 from wsn_tracking import graphs
+from wsn_tracking.bags.estimates import differences, read_estimates
 from wsn_tracking.bags.save import save
 from wsn_tracking.evaluation.run import summarise
 from wsn_tracking.offline import offline
@@ -48,7 +49,7 @@ def replayed(bag, rate, folder, *, one_process_each=False):
     graph = graphs.replay(str(bag), rate=rate, record=record, one_process_each=one_process_each)
     with live.private_domain() as environment, live.started(graph, environment) as running:
         live.wait_all(running, ['bag_player', 'evaluator', 'bag_recorder'], TIMEOUT)
-    return live.recorded_estimates(folder)
+    return read_estimates(folder)
 
 
 @pytest.mark.parametrize('repeat', range(REPEATS))
@@ -77,7 +78,7 @@ def assert_equal_to_evaluation(bag, estimates):
     assert set(estimates) == {name for name in run.estimates if name.partition('_')[0] in {'local', 'fused'}}
     for name, published in estimates.items():
         assert len(published) == run.epochs
-        assert live.differences(published, run.estimates[name]) == []
+        assert differences(published, run.estimates[name]) == []
 
 
 def test_one_target_of_several_is_replayed_alone(tmp_path):
@@ -96,8 +97,8 @@ def test_one_target_of_several_is_replayed_alone(tmp_path):
     graph = graphs.replay(str(bag), rate=0.0, target_id=2, record=record, evaluator={'json': str(scores), 'skip': 0.0})
     with live.private_domain() as environment, live.started(graph, environment) as running:
         live.wait_all(running, ['bag_player', 'evaluator', 'bag_recorder'], TIMEOUT)
-    published = live.recorded_estimates(tmp_path / 'out')['fused_1']
-    assert live.differences(published, run.estimates['fused_1']) == []
+    published = read_estimates(tmp_path / 'out')['fused_1']
+    assert differences(published, run.estimates['fused_1']) == []
     offline_score = summarise('two_targets', graphs.open_bag(str(bag))[1], run, 0.0).outputs['fused_1']
     assert json.loads(scores.read_text())['outputs']['fused_1']['rmse_m'] == offline_score.rmse_m
 

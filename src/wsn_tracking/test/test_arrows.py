@@ -29,14 +29,16 @@ ROOMS = {
     'evaluation': ('trackers', 'bags', 'simulation'),
     'zstack': (),
     # what stands above the rooms, for nodes and commands
-    'configuration': ('trackers',),
+    'configuration': ('trackers', 'zstack'),
     'graphs': ('configuration', 'bags', 'simulation'),
     'processes': ('graphs',),
     'launching': ('processes',),
     'offline': ('graphs', 'evaluation'),
     'surveys': ('evaluation',),
+    'bridging': ('sensing', 'zstack'),
+    'live_study': ('offline', 'processes'),
     'documentation': ('configuration', 'bags'),
-    'nodes': ('evaluation', 'zstack', 'offline'),
+    'nodes': ('evaluation', 'bridging', 'offline'),
     'commands': ('evaluation', 'zstack', 'offline', 'processes', 'surveys', 'documentation'),
     'cli': ('commands',),
 }

@@ -224,10 +224,14 @@ def test_after_full_agreement_every_scheme_has_the_centralised_information(seed,
     assert scheme.finish(prior, rows.mean(axis=0), n, n) == pytest.approx(prior + own.mean(axis=0))
 
 
-def test_icf_claims_no_more_than_it_has_while_the_network_changes():
-    """Half of it lost, or twice as many as before: less than the priors and contributions that are there."""
+def test_icf_claims_what_there_is_while_the_network_changes():
+    """Ten nodes with a prior and a contribution of one each: the prior counts once, as do the contributions at most."""
     scheme, prior, own = SCHEMES['icf'], np.ones((10, 1)), np.ones((10, 1))
-    for before, after in ((20.0, 10.0), (5.0, 10.0)):
-        n0, n1 = np.full(10, before), np.full(10, after)
-        value = np.broadcast_to(scheme.start(prior, own, n0).mean(axis=0), prior.shape)
-        assert np.all(scheme.finish(prior, value, n0, n1) <= 1.0 + 10.0)
+
+    def after(before):
+        value = np.broadcast_to(scheme.start(prior, own, np.full(10, before)).mean(axis=0), prior.shape)
+        return scheme.finish(prior, value, np.full(10, before), np.full(10, 10.0))[0, 0]
+
+    assert after(10.0) == pytest.approx(11.0)
+    assert after(20.0) == pytest.approx(11.0)  # half of the network is gone
+    assert after(5.0) == pytest.approx(1.0 + 5.0)  # it has doubled

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from oracles import H, LOOP, NOISE, beliefs, covariances, properties, some_silent
+from oracles import LOOP, NOISE, H, beliefs, covariances, properties, some_silent
 
 from wsn_tracking.filters import blocks, gram, qr
 from wsn_tracking.filters.belief import Belief

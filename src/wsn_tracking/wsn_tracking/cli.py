@@ -8,10 +8,10 @@ import os
 import sys
 from collections.abc import Sequence
 
-from wsn_tracking.commands import calibrate, evaluate, import_data, info, plot, replay, simulate, sink, watch
+from wsn_tracking.commands import bench, calibrate, evaluate, import_data, info, plot, replay, simulate, sink, watch
 from wsn_tracking.errors import TrackingError
 
-COMMANDS = (replay, evaluate, plot, watch, info, simulate, import_data, calibrate, sink)
+COMMANDS = (replay, evaluate, plot, watch, info, simulate, import_data, calibrate, sink, bench)
 
 
 def main(arguments: Sequence[str] | None = None) -> None:

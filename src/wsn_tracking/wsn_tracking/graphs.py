@@ -290,7 +290,8 @@ def random_q_graph(
     """Feed, sensing nodes (in one process, or one each), estimators, evaluator; a recorder and markers where asked for.
 
     Player and world wait for the graph, so no timeout of a live network applies, unless `settings` say so; in replay,
-    what is missing is an error. A `live` feed waits for nobody. Parameters of feed, evaluator and recorder come from the plan as well.
+    what is missing is an error. A `live` feed waits for nobody. Parameters of feed, evaluator and recorder come from
+    the plan as well.
     """
     patient = {'lossless': replay, 'loss_timeout': LOSS_TIMEOUT, 'fusion_timeout': FUSION_TIMEOUT}
     if live:

@@ -59,7 +59,7 @@ def slsqp(m: Floats, P: Floats, *, gradient: bool = False) -> Fuse:
 
 
 def gap(P: Floats) -> float:
-    """The largest share of the trace by which our weights may miss the optimum: f(w) - f* <= max_j (w - e_j)' grad f."""
+    """Largest share of the trace by which our weights may miss the optimum: f(w) - f* <= max_j (w - e_j)' grad f."""
     Y = ci.information(P)
     w = minimise_trace(Y, ci.trace_weights(P))
     fused = np.linalg.inv((w[..., None, None] * Y).sum(axis=-3))

@@ -57,7 +57,12 @@ def _start(sizes: Sizes) -> Iterable[Row]:
 def _numbers(module: str, *words: str) -> list[float]:
     """What a module prints when it is run."""
     done = subprocess.run(
-        [sys.executable, '-m', module, *words], env=private(), capture_output=True, text=True, timeout=120.0, check=False
+        [sys.executable, '-m', module, *words],
+        env=private(),
+        capture_output=True,
+        text=True,
+        timeout=120.0,
+        check=False,
     )
     if done.returncode:
         raise TrackingError(f'{module} ended with code {done.returncode}: {done.stderr[-300:]}')

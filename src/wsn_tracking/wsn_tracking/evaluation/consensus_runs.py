@@ -87,6 +87,12 @@ def mean_nees(scores: Scores, epochs: slice = slice(SETTLED, None)) -> float:
     return float(np.nanmean(scores.nees[:, epochs]))
 
 
+def median_nees(scores: Scores, epochs: slice = slice(SETTLED, None)) -> float:
+    """NEES of the median run."""
+    of_run = [np.nanmean(run) for run in scores.nees[:, epochs] if not np.all(np.isnan(run))]
+    return float(np.median(of_run))
+
+
 def mode_accuracy(scores: Scores, epochs: slice = slice(SETTLED, None)) -> float:
     """Share of node-epochs in which a node knew whether its reading was one."""
     return float(np.nanmean(scores.right[:, epochs]))

@@ -57,8 +57,8 @@ class _Rule(NamedTuple):
 def _rule(n: int, kappa: float) -> _Rule:
     """The centre's even part is spread over those of the pairs, so that E has n columns with any kappa.
 
-    With t_k = y+_k + y-_k - 2 y_0 and s their sum, P_zz has the even part (T T' - s s' / (n + kappa)) / (4 (n + kappa)),
-    of which T (I - g 1 1') is a root, with (1 - n g)^2 = kappa / (n + kappa).
+    With t_k = y+_k + y-_k - 2 y_0 and s their sum, the even part of P_zz is (T T' - s s' / (n + kappa)) / 4 (n + kappa),
+    and T (I - g 1 1') with (1 - n g)^2 = kappa / (n + kappa) is a root of that bracket.
     """
     eye, one, scale = np.eye(n), np.ones((1, n)), 0.5 / np.sqrt(n + kappa)
     centre = np.sqrt(kappa / (n + kappa))  # 1 - n g

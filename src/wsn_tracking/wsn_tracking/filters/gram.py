@@ -30,10 +30,10 @@ class Root(NamedTuple):
 
 
 def cholesky(A: Floats, k: int) -> Root:
-    """The first k columns of the factor of a positive definite matrix A (..., n, n); (..., n, k) where A is `large`.
+    """The first k columns of the factor of positive definite matrices A (..., n, n), or (..., n, k) where `large`.
 
-    That is the factor of the first k rows, and the others times its inverse transposed. The other columns of A, and what
-    is above its diagonal, do not matter, but LAPACK reads their lower half. NaN where there is no factor.
+    They are the factor of the first k rows, and the others times its inverse transposed. What is above the diagonal of
+    A does not matter. NaN where there is no factor.
     """
     if large(A.shape[:-2]):
         return _written_out(A, k)
@@ -79,8 +79,8 @@ def condition(prior: Belief, z: Floats, missing: Mask, r: Regression, root_R: Fl
 
     J = I + [E O]' R^-1 [E O] is the information of (w, u), b = [E O]' R^-1 (z - z_hat). With u in reverse order, the
     last block of the factor of J, inverted and transposed, is lower triangular and a root of the covariance of u:
-    chol_P+ = chol_P L_uu^-T and m+ = m + chol_P+ (L^-1 b)_u. Both come with that factor, as rows b' and [0, chol_P] below
-    J. A missing row has no information; columns of chol_P that no reading looks at stay as they are.
+    chol_P+ = chol_P L_uu^-T and m+ = m + chol_P+ (L^-1 b)_u. Both come with that factor, as rows b' and [0, chol_P]
+    below J. A missing row has no information; columns of chol_P that no reading looks at stay as they are.
     """
     d, n = r.O.shape[-1], prior.m.shape[-1]
     k = r.E.shape[-1] + d

@@ -1,4 +1,4 @@
-"""Predict and update in the document's form, by orthogonal transformations alone: the reference (seed 000, algorithm 1)."""
+"""Predict and update by orthogonal transformations, as in algorithm 1 of seed 000: the reference."""
 
 from __future__ import annotations
 

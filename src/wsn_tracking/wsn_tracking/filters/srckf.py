@@ -95,5 +95,5 @@ def _trusted_or(fast: Belief, trusted: Mask, exact: Callable[[], Belief]) -> Bel
     if trusted.all():
         return fast
     m, chol_P = exact()
-    every = trusted.all(axis=-1)[..., None]
+    every = np.asarray(trusted.all(axis=-1))[..., None]
     return Belief(np.where(every, fast.m, m), np.where(every[..., None], fast.chol_P, chol_P))

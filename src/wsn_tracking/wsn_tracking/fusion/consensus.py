@@ -34,8 +34,10 @@ def _cm_finish(prior: Floats, average: Floats, before: Floats, after: Floats) ->
 
 
 def _icf_finish(prior: Floats, average: Floats, before: Floats, after: Floats) -> Floats:
-    """Y = n V. Of a network that grows, the newcomers' share is left out; of one that shrinks, the node's own prior
-    stands in for the priors that went with it. All priors together never count more than once.
+    """Y = n V, in a network that neither grows nor shrinks.
+
+    Of what grows, the newcomers' share is left out; of what shrinks, the node's own prior stands in for those that
+    went. All priors together never count more than once.
     """
     n = np.minimum(before, after)
     return n[..., None] * average + (1.0 - n / before)[..., None] * prior

@@ -88,9 +88,7 @@ def _newton(here: Expansion, free: Mask) -> Floats:
     return np.where(free, np.linalg.solve(A, b)[..., :J, 0], 0.0)
 
 
-def _descend(
-    Y: Floats, w: Floats, here: Expansion, step: Floats, last: Mask
-) -> tuple[Floats, Expansion, Mask]:
+def _descend(Y: Floats, w: Floats, here: Expansion, step: Floats, last: Mask) -> tuple[Floats, Expansion, Mask]:
     """The longest of the halved steps, cut at the border of the simplex, that does not raise the objective."""
     length = _limit(w, step)
     for _ in range(HALVINGS):
@@ -107,7 +105,7 @@ def _descend(
 def _limit(w: Floats, step: Floats) -> Floats:
     """How far, at most one step, the simplex reaches, (..., 1)."""
     with np.errstate(divide='ignore', invalid='ignore'):
-        return np.minimum(np.where(step < 0.0, -w / step, 1.0).min(axis=-1, keepdims=True), 1.0)
+        return np.asarray(np.minimum(np.where(step < 0.0, -w / step, 1.0).min(axis=-1, keepdims=True), 1.0))
 
 
 def _moved(w: Floats, step: Floats, length: Floats) -> Floats:

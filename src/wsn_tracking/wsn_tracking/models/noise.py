@@ -9,7 +9,7 @@ from wsn_tracking.models.anchors import Floats
 
 CM = 0.01  # [m]
 CM_EYE = CM * np.eye(4)
-# Root of white acceleration over sqrt(S T), [[T / sqrt(3), 0], [sqrt(3) / 2, 1 / 2]] per axis: T times GROWING, and STEADY
+# [[T / sqrt(3), 0], [sqrt(3) / 2, 1 / 2]] per axis, the root of white acceleration over sqrt(S T): T GROWING + STEADY
 GROWING = np.diag([1.0, 1.0, 0.0, 0.0]) / np.sqrt(3.0)
 STEADY = np.diag([0.5 * np.sqrt(3.0)] * 2, -2) + np.diag([0.0, 0.0, 0.5, 0.5])
 
@@ -29,4 +29,4 @@ def white_acceleration(spectral_density: ArrayLike, dt: ArrayLike) -> Floats:
     Q = S [[T^3/3, T^2/2], [T^2/2, T]] per axis; spectral_density S (...) [m^2/s^3], dt T (...) [s], T >= 0.
     """
     S, T = np.asarray(spectral_density, dtype=np.float64), np.asarray(dt, dtype=np.float64)
-    return np.sqrt(S * T)[..., None, None] * (T[..., None, None] * GROWING + STEADY)
+    return np.asarray(np.sqrt(S * T)[..., None, None] * (T[..., None, None] * GROWING + STEADY))

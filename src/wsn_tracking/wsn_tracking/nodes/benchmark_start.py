@@ -38,7 +38,11 @@ def measure(words: list[str]) -> None:
     rclpy.init()
     node = Node('starter')
     ready: list[str] = []
-    node.create_subscription(String, 'ready', lambda message: ready.append(message.data), qos.LATCHED)
+
+    def heard(message: String) -> None:
+        ready.append(message.data)
+
+    node.create_subscription(String, 'ready', heard, qos.LATCHED)
     anchors = node.create_publisher(msg.Anchors, 'anchors', qos.LATCHED_LAST)
     anchors.publish(anchors_message(scenario('a_loop').anchors, 0))
     began = time.monotonic()

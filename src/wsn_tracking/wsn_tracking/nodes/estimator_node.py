@@ -134,7 +134,8 @@ class EstimatorNode(TrackingNode[EstimatorNodeConfig]):
 
     def _publish(self, outputs: tuple[Any, Any], estimate: Estimate) -> None:
         outputs[0].publish(convert.estimate_message(estimate))
-        outputs[1].publish(convert.odometry_message(estimate, self.config.target_height))
+        if outputs[1].get_subscription_count():  # costs as much as the filter, mostly for nobody
+            outputs[1].publish(convert.odometry_message(estimate, self.config.target_height))
 
     @property
     def _hears(self) -> str:

@@ -1,0 +1,123 @@
+"""The long runs of the real graph: `python -m wsn_tracking.live_study -o docs/results`.
+
+Parity: a replay gives what the evaluator computes, bit for bit, at every rate, repeated. Soak: a radio field at 20 Hz
+for a minute, with the timeouts of a live network. Each graph runs alone in its ROS domain: set ROS_DOMAIN_ID where
+others are about.
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import io
+import json
+import os
+import tempfile
+import time
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from wsn_tracking import graphs
+from wsn_tracking.bags.estimates import differences, read_estimates
+from wsn_tracking.bags.save import save
+from wsn_tracking.files import write_whole
+from wsn_tracking.offline import offline
+from wsn_tracking.processes import run_graph
+from wsn_tracking.simulation.record import record
+from wsn_tracking.simulation.scenario import Scenario
+from wsn_tracking.simulation.scenarios import scenario
+
+COMMAND = 'python -m wsn_tracking.live_study -o docs/results'
+REPEATS = 20
+RATES = ((1.0, 10), (20.0, 120), (0.0, 120))  # rate (0: as fast as it goes), epochs
+SOAK_HZ, SOAK_S = 20.0, 60.0
+
+
+def parity(repeats: int = REPEATS) -> dict[str, Any]:
+    """Replays at every rate against the evaluator: how many estimates differ in any bit."""
+    rows = []
+    for rate, epochs in RATES:
+        with tempfile.TemporaryDirectory() as folder:
+            bag = Path(folder, 'bag')
+            save(bag, record(_first(scenario('a_loop'), epochs), 1))
+            run = offline(*graphs.open_bag(str(bag)))
+            differing, compared = 0, 0
+            for repeat in range(repeats):
+                published = _replayed(bag, rate, Path(folder, f'out_{repeat}'))
+                for name, estimates in published.items():
+                    compared += len(estimates)
+                    differing += len(differences(estimates, run.estimates[name]))
+        rows.append(
+            {'rate': rate or 'max', 'epochs': epochs, 'repeats': repeats, 'compared': compared, 'differing': differing}
+        )
+    return {'rows': rows}
+
+
+def soak() -> dict[str, Any]:
+    """12 sensing nodes at 20 Hz, every measurement sent, 3 estimators, 60 s, live timeouts."""
+    epochs = round(SOAK_HZ * SOAK_S)
+    loop = scenario('a_loop')
+    fast = loop._replace(period=1.0 / SOAK_HZ, truth=np.resize(loop.truth, (epochs, 4)))
+    live = {'lossless': False, 'loss_timeout': 1.0, 'fusion_timeout': 0.2, 'trigger.kind': 'always'}
+    with tempfile.TemporaryDirectory() as folder:
+        bag, scores = Path(folder, 'bag'), Path(folder, 'scores.json')
+        save(bag, record(fast, 1))
+        recorder = {'output': str(Path(folder, 'out')), 'extra_topics': [f'estimate/fused_{i}' for i in (1, 2, 3)]}
+        graph = graphs.replay(
+            str(bag), rate=1.0, settings=live, evaluator={'json': str(scores), 'skip': 0.0}, record=recorder
+        )
+        begun = time.monotonic()
+        code = _quietly(graph, ['evaluator', 'bag_recorder'])
+        took = time.monotonic() - begun
+        fused = [e for estimates in read_estimates(Path(folder, 'out')).values() for e in estimates]
+        told = json.loads(scores.read_text('utf-8'))
+    return {
+        'epochs': epochs,
+        'ranges': told['measurements']['sent'],
+        'estimates': {name: output['epochs'] for name, output in told['outputs'].items()},
+        'dropped': told['input'],
+        'degraded': sum(len(e.contributors) < 3 for e in fused),
+        'exit_code': code,
+        'behind_s': round(max(took - SOAK_S, 0.0), 0),  # start and end of nine processes included
+    }
+
+
+def _first(whole: Scenario, epochs: int) -> Scenario:
+    return whole._replace(truth=whole.truth[:epochs])
+
+
+def _replayed(bag: Path, rate: float, out: Path) -> dict[str, Any]:
+    outputs = graphs.plan_random_q(graphs.open_bag(str(bag))[0]).outputs
+    recorder = {'output': str(out), 'extra_topics': [f'estimate/{output}' for output in outputs]}
+    _quietly(graphs.replay(str(bag), rate=rate, record=recorder), ['evaluator', 'bag_recorder'])
+    return read_estimates(out)
+
+
+def _quietly(graph: tuple[graphs.Process, ...], last: list[str]) -> int:
+    with contextlib.redirect_stderr(io.StringIO()):
+        return run_graph(graph, last)
+
+
+STUDIES: Mapping[str, Any] = {'parity': parity, 'soak': soak}
+
+
+def main() -> None:
+    """Run the studies that are named, or all, and keep the figures of the others."""
+    parser = argparse.ArgumentParser(prog='live_study', description='Run the long runs of the real graph.')
+    parser.add_argument('-o', '--output', type=Path, required=True, help='folder for live.json')
+    parser.add_argument('names', nargs='*', choices=[*STUDIES, []], help='studies (default: all)')
+    options = parser.parse_args()
+    os.environ.setdefault('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')
+    path = options.output / 'live.json'
+    kept = json.loads(path.read_text('utf-8'))['studies'] if path.exists() else {}
+    for name in options.names or STUDIES:
+        kept[name] = {'what': (STUDIES[name].__doc__ or '').strip(), **STUDIES[name]()}
+    text = json.dumps({'command': COMMAND, 'studies': kept}, indent=2, sort_keys=True)
+    write_whole(path, text.encode() + b'\n')
+
+
+if __name__ == '__main__':
+    main()

@@ -1,0 +1,218 @@
+"""The non-volatile memory of a sink: items by number, as TI's SYS_OSAL_NV commands see them (ZComDef.h, MT_SYS.c)."""
+
+from __future__ import annotations
+
+from enum import IntEnum
+
+from wsn_tracking.zstack.firmware.flavour import Flavour
+from wsn_tracking.zstack.firmware.nib import NO_NETWORK, Network, pack_nib, unpack_nib
+
+MAX_READ = 246  # bytes of an item that one answer holds
+MAX_ITEM = 2048
+
+SUCCESS, INVALID_PARAMETER, CREATED, WRONG_LENGTH = 0x00, 0x02, 0x09, 0x0C
+CLEAR_CONFIG, CLEAR_STATE = 1, 2  # bits of STARTUP_OPTION
+
+
+class Item(IntEnum):
+    """The items that mean something to this simulation."""
+
+    EXTADDR = 0x0001
+    STARTUP_OPTION = 0x0003
+    NIB = 0x0021
+    ADDRMGR = 0x0023
+    EXTENDED_PAN_ID = 0x002D
+    ACTIVE_KEY = 0x003A
+    ALTERNATE_KEY = 0x003B
+    USE_EXT_PAN_ID = 0x0047
+    LINK_KEYS = 0x004C
+    ON_A_NETWORK = 0x0055
+    KEY = 0x0062  # with which networks are formed
+    SECURITY_MATERIAL = 0x0075
+    SECURITY_GLOBAL = 0x0076
+    NETWORK_KEY = 0x0082
+    PAN_ID = 0x0083
+    CHANNELS = 0x0084
+    LOGICAL_TYPE = 0x0087
+    DIRECT_CALLBACKS = 0x008F
+    TRUST_CENTRE = 0x0101  # Home 1.2: its link key; 3.0: the seed of link keys
+
+
+GUARDED = frozenset({Item.ACTIVE_KEY, Item.ALTERNATE_KEY, Item.KEY, *range(0x0101, 0x0300)})
+FIRST_COUNTER = 2500  # of frames that a new network has secured
+EMPTY_ADDRESS = b'\x00' + b'\xff' * 10
+
+# What hosts look at and this simulation does not use: value by item, little endian.
+SETTINGS = {
+    0x0004: '0a',  # start delay
+    0x0025: '6400',  # poll rates
+    0x0026: '6400',
+    0x0027: 'b801',
+    0x0028: '02',  # retries
+    0x0029: '02',
+    0x002A: '02',  # stack profile: PRO
+    0x002B: '07',
+    0x002C: '1e',  # expiry of routes
+    0x002E: '02',  # broadcasts
+    0x002F: '05',
+    0x0030: '14',
+    0x0031: '02',  # mesh
+    0x0032: '01',  # concentrator
+    0x0033: '3c',
+    0x0034: '0a',
+    0x0035: 'e8030000',
+    0x0036: '00',
+    0x0037: '01',
+    0x0038: '0a',  # expiry of source routes
+    0x0039: '05',
+    0x003C: '00',
+    0x003D: '01',
+    0x003E: '00',  # ageing of children
+    0x0043: '03',  # APS
+    0x0044: 'b80b',
+    0x0045: '02',
+    0x0046: '803e',
+    0x0048: '01',
+    0x0049: 'feff',
+    0x004B: '02',
+    0x0051: '00',
+    0x0052: '08',
+    0x0064: '04',  # security mode
+    0x0065: '01',
+    0x006D: '00',
+    0x006F: '01',
+    0x0071: '0000000000000000',  # trust centre
+    0x0081: '00' * 17,  # user descriptor
+    0x0086: '05',
+    0x0088: '14',
+    0x00A1: 'e0',
+}
+
+
+class Memory:
+    """Items and their bytes; survives resets."""
+
+    def __init__(self, flavour: Flavour, ieee: int) -> None:
+        self._flavour = flavour
+        self._ieee = ieee
+        self._items: dict[int, bytes] = {}
+        self._default_settings()
+        self._forget_network()
+
+    def get(self, item: int, default: bytes = b'') -> bytes:
+        """What an item holds, for the firmware itself."""
+        return self._items.get(item, default)
+
+    def put(self, item: int, value: bytes) -> None:
+        """Store an item, for the firmware itself."""
+        self._items[item] = value
+
+    @property
+    def ieee(self) -> int:
+        """The address of the radio."""
+        return int.from_bytes(self.get(Item.EXTADDR), 'little')
+
+    @property
+    def network(self) -> Network:
+        """The network that is remembered, or NO_NETWORK."""
+        if self._flavour.has_bdb and self.get(Item.ON_A_NETWORK) != b'\x01':
+            return NO_NETWORK
+        return unpack_nib(self.get(Item.NIB))
+
+    def boot(self) -> None:
+        """What a start does: clear what STARTUP_OPTION says, restore the radio's own address."""
+        option = self.get(Item.STARTUP_OPTION, b'\x00')[0]
+        if option & CLEAR_CONFIG:
+            self._default_settings()
+        if option & CLEAR_STATE:
+            self._forget_network()
+        self.put(Item.STARTUP_OPTION, b'\x00')
+        if len(self.get(Item.EXTADDR)) != 8:
+            self.put(Item.EXTADDR, self._ieee.to_bytes(8, 'little'))
+        if not self._flavour.has_bdb and not self.get(Item.NIB):
+            self.put(Item.NIB, pack_nib(NO_NETWORK))
+
+    def remember(self, network: Network) -> None:
+        """Store a network that was formed, and its key."""
+        key = (self.get(Item.KEY) + bytes(16))[:16]
+        ext_pan = network.ext_pan.to_bytes(8, 'little')
+        self.put(Item.NIB, pack_nib(network))
+        self.put(Item.EXTENDED_PAN_ID, ext_pan)
+        self.put(Item.ACTIVE_KEY, b'\x00' + key)
+        self.put(Item.ALTERNATE_KEY, b'\x00' + key)
+        counter = FIRST_COUNTER.to_bytes(4, 'little')
+        self.put(Item.NETWORK_KEY, b'\x00' + key + counter)
+        if self._flavour.has_bdb:
+            self.put(Item.ON_A_NETWORK, b'\x01')
+            self.put(Item.SECURITY_MATERIAL, counter + ext_pan)
+
+    # ---- what hosts do
+
+    def length(self, item: int) -> int:
+        """Bytes of an item; 0 where there is none."""
+        return len(self.get(item))
+
+    def read(self, item: int, offset: int, *, guarded: bool = True) -> tuple[int, bytes]:
+        """Status, and the bytes from `offset` on; `guarded`: keys are not told."""
+        value = self.get(item)
+        if offset >= len(value) or (guarded and self._flavour.guards_keys and item in GUARDED):
+            return INVALID_PARAMETER, b''
+        return SUCCESS, value[offset : offset + MAX_READ]
+
+    def write(self, item: int, offset: int, data: bytes) -> int:
+        """Status of writing into an item that exists and is long enough."""
+        value = self.get(item)
+        if not value or offset + len(data) > len(value):
+            return INVALID_PARAMETER
+        self.put(item, value[:offset] + data + value[offset + len(data) :])
+        return SUCCESS
+
+    def create(self, item: int, length: int, data: bytes) -> int:
+        """Status of creating an item; one that exists is left as it is."""
+        if self.get(item):
+            return SUCCESS
+        if not 0 < length <= MAX_ITEM:
+            return INVALID_PARAMETER
+        self.put(item, data[:length].ljust(length, b'\xff'))
+        return CREATED
+
+    def delete(self, item: int, length: int) -> int:
+        """Status of deleting an item of that length."""
+        if not self.get(item):
+            return CREATED
+        if len(self.get(item)) != length:
+            return WRONG_LENGTH
+        del self._items[item]
+        return SUCCESS
+
+    # ---- within
+
+    def _default_settings(self) -> None:
+        self._items.update({item: bytes.fromhex(value) for item, value in SETTINGS.items()})
+        self.put(Item.EXTADDR, self._ieee.to_bytes(8, 'little'))
+        self.put(Item.STARTUP_OPTION, b'\x00')
+        self.put(Item.USE_EXT_PAN_ID, bytes(8))
+        self.put(Item.KEY, bytes(16))
+        self.put(0x0063, b'\x00')  # the key is not given to others in advance
+        self.put(Item.PAN_ID, b'\xff\xff')
+        self.put(Item.CHANNELS, (1 << 11).to_bytes(4, 'little'))
+        self.put(Item.LOGICAL_TYPE, b'\x00')
+        self.put(Item.DIRECT_CALLBACKS, b'\x00')
+
+    def _forget_network(self) -> None:
+        self.put(Item.NIB, pack_nib(NO_NETWORK))
+        self.put(Item.EXTENDED_PAN_ID, bytes(8))
+        self.put(Item.ACTIVE_KEY, bytes(17))
+        self.put(Item.ALTERNATE_KEY, bytes(17))
+        self.put(Item.NETWORK_KEY, bytes(21))
+        self.put(Item.LINK_KEYS, bytes(17))
+        if self._flavour.has_bdb:
+            del self._items[Item.NIB]  # is made when a network is formed
+            self.put(Item.ADDRMGR, EMPTY_ADDRESS * 62)
+            self.put(Item.ON_A_NETWORK, b'\x00')
+            self.put(Item.SECURITY_MATERIAL, bytes(12))
+            self.put(Item.SECURITY_GLOBAL, b'\xff' * 12)
+            self.put(Item.TRUST_CENTRE, bytes(range(16)))
+        else:
+            self.put(Item.ADDRMGR, EMPTY_ADDRESS * 23)
+            self.put(Item.TRUST_CENTRE, b'\xff' * 8 + b'ZigBeeAlliance09' + bytes(8))
