@@ -10,6 +10,7 @@ from consensus_cases import dense_centralised
 from wsn_tracking.evaluation import benchmark_consensus, consensus_study
 from wsn_tracking.evaluation import consensus_runs as runs_of
 from wsn_tracking.evaluation.benchmark_rows import Sizes
+from wsn_tracking.evaluation.consensus_raw import track_raw
 from wsn_tracking.evaluation.consensus_runs import mean_nees, mode_accuracy, rmse, sample, some, traffic
 from wsn_tracking.evaluation.consensus_study import chebyshev_at_its_guard
 from wsn_tracking.filters.belief import Belief
@@ -105,6 +106,20 @@ def test_five_hops_of_a_flood_beat_twenty_rounds_at_half_the_bytes(worlds, track
     assert ours.bytes_nominal <= 0.4 * documents.bytes_nominal
     assert (ours.messages, documents.messages) == (5, 20)
     assert documents.bytes_nominal == 20 * 64
+
+
+def test_ten_bytes_an_item_are_enough(worlds):
+    """What was read, as it is sent, is worth as much as the information that was made of it."""
+    few = some(worlds, slice(0, 3))
+    info = runs_of.track(replace(FLOOD, rounds=5), few)
+    raw = track_raw(replace(FLOOD, rounds=5), few)
+    assert rmse(raw) == pytest.approx(rmse(info), rel=0.01)
+    assert mean_nees(raw) == pytest.approx(mean_nees(info), rel=0.02)
+    whole = replace(FLOOD, rounds=49)
+    exact = track_raw(whole, some(worlds, slice(0, 1)), ten_bytes=False)
+    assert np.sqrt(exact.squares) == pytest.approx(
+        np.sqrt(runs_of.track(whole, some(worlds, slice(0, 1))).squares), abs=1e-6
+    )
 
 
 def test_chebyshev_at_its_guard_beats_twenty_rounds(worlds):
@@ -248,11 +263,13 @@ def test_the_study_writes_every_table(tmp_path, capsys, monkeypatch):
     monkeypatch.setattr(consensus_study, 'SIZES', (10, 25))
     assert consensus_study.main(['-o', str(tmp_path), '--runs', '1']) == 0
     content = json.loads((tmp_path / 'consensus.json').read_text())
-    assert list(content['tables']) == ['schemes', 'faults', 'links', 'scaling']
+    assert list(content['tables']) == ['schemes', 'ten_bytes', 'faults', 'links', 'scaling']
     rows = {row['name']: row for row in content['tables']['schemes']}
     assert rows['cm, L = 20']['bytes_nominal'] == 1280.0
     assert rows['cm, L = 20']['rmse_of_cm_20'] == 1.0
-    assert all(row['rmse_m'] > 0.0 for table in ('schemes', 'faults', 'links') for row in content['tables'][table])
+    assert all(
+        row['rmse_m'] > 0.0 for table in ('schemes', 'ten_bytes', 'faults', 'links') for row in content['tables'][table]
+    )
     text = (tmp_path / 'consensus.md').read_text()
     assert all(f'| {name} |' in text for name in (*rows, '25 nodes', '10 nodes'))
     capsys.readouterr()

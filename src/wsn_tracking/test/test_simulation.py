@@ -1,4 +1,6 @@
-"""The walk, the field and the recording of scenario L."""
+"""The walks, the fields and the recordings of system A's scenarios."""
+
+import dataclasses
 
 import numpy as np
 import pytest
@@ -6,14 +8,18 @@ from hypothesis import given
 from hypothesis import strategies as st
 from oracles import LOOP, H, properties
 
+from wsn_tracking.configuration import EstimatorNodeConfig, SensingNodeConfig
 from wsn_tracking.errors import TrackingError
+from wsn_tracking.graphs import plan_random_q, source_of
 from wsn_tracking.models.radio import MIN_RANGE, range_at
+from wsn_tracking.parameters import build
 from wsn_tracking.sensing.values import EpochEnd, Request, Rssi
-from wsn_tracking.simulation.paths import polygon_loop
+from wsn_tracking.simulation.paths import circle, headings_inside, polygon_loop
 from wsn_tracking.simulation.record import record
 from wsn_tracking.simulation.scenarios import scenario
 from wsn_tracking.simulation.world import noisy_ranges, rssi_of_epoch
 
+INSIDE = (0.2, 0.2, 3.4, 2.2)
 SQUARE = [(0.0, 0.0), (2.0, 0.0), (2.0, 1.0), (0.0, 1.0)]
 
 
@@ -27,6 +33,77 @@ def test_a_loop_is_the_documents_field():
     np.testing.assert_allclose(LOOP.truth[40], [3.0, 0.6, 0.0, 0.06], atol=1e-12)
     np.testing.assert_allclose(LOOP.truth[:, :2].min(axis=0), 0.6)
     np.testing.assert_allclose(LOOP.truth[:, :2].max(axis=0), [3.0, 1.8])
+
+
+def test_a_circle_turns_all_the_time_about_the_middle_of_cells_with_less_noise_than_assumed():
+    s = scenario('a_circle')
+    assert s.truth.shape == (100, 4)
+    np.testing.assert_allclose(np.hypot(*(s.truth[:, :2] - [1.8, 1.2]).T), 0.13)
+    np.testing.assert_allclose(np.hypot(*s.truth[:, 2:].T), 0.06)
+    np.testing.assert_allclose(np.sum(s.truth[:, 2:] * (s.truth[:, :2] - [1.8, 1.2]), axis=1), 0.0, atol=1e-12)
+    assert sorted(set(s.anchors.positions[:, 0].tolist())) == [0.45, 1.35, 2.25, 3.15]
+    assert sorted(set(s.anchors.positions[:, 1].tolist())) == [0.4, 1.2, 2.0]
+    error = np.array([range_at(s.anchors, rssi_of_epoch(s, k, 5)) for k in range(100)])
+    error /= np.hypot(*(s.truth[:, None, :2] - s.anchors.positions[:, :2]).T).T
+    assert np.std(error) == pytest.approx(0.62 * 0.12, abs=0.006)  # 1200 draws: standard error 0.0015
+
+
+def test_a_heading_walks_from_the_middle_and_keeps_from_the_border():
+    walks = np.stack([scenario('a_heading', seed=seed).truth for seed in range(60)])
+    assert walks.shape == (60, 120, 4)
+    np.testing.assert_allclose(walks[:, 0, :2], np.broadcast_to([1.8, 1.2], (60, 2)))
+    np.testing.assert_allclose(np.hypot(walks[..., 2], walks[..., 3]), 0.06)
+    assert walks[..., 0].min() == pytest.approx(0.2, abs=0.02)  # somebody does reach it
+    assert walks[..., 0].min() >= 0.2
+    assert walks[..., 0].max() <= 3.4
+    assert walks[..., 1].min() >= 0.2
+    assert walks[..., 1].max() <= 2.2
+    turned = np.any(np.abs(np.diff(walks[..., 2:], axis=1)) > 1e-12, axis=-1)
+    assert np.all(turned[:, 9::10])  # a new heading every 10 s
+    assert 0.0 < turned.mean() - turned[:, 9::10].size / turned.size < 0.05  # and reflections in between
+    assert np.array_equal(scenario('a_heading', seed=7).anchors.positions, LOOP.anchors.positions)
+
+
+@properties
+@given(st.lists(st.floats(-4.0, 4.0), min_size=1, max_size=6), st.floats(0.01, 0.5), st.floats(0.0, 60.0))
+def test_reflected_walks_stay_inside_and_move_as_their_velocity_says(headings, speed, time):
+    dt = 1e-4
+    now, later = headings_inside(INSIDE, headings, speed, 10.0, [time, time + dt])
+    assert INSIDE[0] <= now[0] <= INSIDE[2]
+    assert INSIDE[1] <= now[1] <= INSIDE[3]
+    assert np.hypot(*now[2:]) == pytest.approx(speed)
+    assert np.hypot(*(later[:2] - now[:2])) <= speed * dt * (1.0 + 1e-6) + 1e-12
+    if np.array_equal(now[2:], later[2:]) and time + dt < 10.0 * len(headings):
+        np.testing.assert_allclose(later[:2] - now[:2], now[2:] * dt, atol=1e-12)
+
+
+def test_a_circle_is_closed_after_its_time_and_walked_counter_clockwise():
+    around = 2.0 * np.pi * 0.5 / 0.1
+    states = circle((1.0, 2.0), 0.5, 0.1, [0.0, around / 4.0, around])
+    np.testing.assert_allclose(states[0], [1.5, 2.0, 0.0, 0.1], atol=1e-12)
+    np.testing.assert_allclose(states[1], [1.0, 2.5, -0.1, 0.0], atol=1e-12)
+    np.testing.assert_allclose(states[2], states[0], atol=1e-12)
+
+
+def test_a_drawn_walk_is_the_seeds_and_no_other_walk_has_one():
+    walks = [record(scenario('a_heading', seed=seed), seed).truth[1].positions for seed in (3, 3, 4)]
+    np.testing.assert_array_equal(walks[0], walks[1])
+    assert np.abs(walks[0] - walks[2]).max() > 0.1
+    np.testing.assert_array_equal(scenario('a_circle', seed=3).truth, scenario('a_circle', seed=4).truth)
+
+
+@pytest.mark.parametrize('name', ['a_loop', 'a_circle', 'a_heading'])
+def test_a_scenario_is_tracked_with_its_own_trigger_and_otherwise_as_random_q(name):
+    s = scenario(name)
+    source = source_of(name, record(s, 1))
+    plan, usual = plan_random_q(source), plan_random_q(source, 'random_q')
+    built = build(SensingNodeConfig, plan.sensing).trigger
+    assert built.alpha == s.alpha
+    assert dataclasses.replace(built, alpha=0.0) == dataclasses.replace(
+        build(SensingNodeConfig, usual.sensing).trigger, alpha=0.0
+    )
+    for mine, theirs in zip(plan.estimators, usual.estimators, strict=True):
+        assert build(EstimatorNodeConfig, mine) == build(EstimatorNodeConfig, theirs)
 
 
 def test_an_unknown_scenario_is_refused():

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from wsn_tracking.errors import TrackingError
-from wsn_tracking.evaluation import study, study_random_q
-from wsn_tracking.evaluation.intervals import mean_of, ratio_of
+from wsn_tracking.evaluation import study, study_process_noise, study_random_q, study_triggers
+from wsn_tracking.evaluation.intervals import change_of, mean_of, ratio_of
 
 
 def test_intervals_hold_the_truth_as_often_as_they_say():
@@ -30,6 +30,7 @@ def test_what_two_quantities_have_in_common_cancels():
     values = np.random.default_rng(2).gamma(2.0, 1.0, 50)
     assert ratio_of(0.9 * values, values) == {'value': 0.9, 'interval_95': [0.9, 0.9]}
     assert mean_of(np.array([1.0, 1.0]), 100.0)['value'] == 100.0
+    assert change_of(0.75 * values, values) == {'value': -25.0, 'interval_95': [-25.0, -25.0]}
 
 
 def test_every_study_of_system_a_runs_and_is_plain_json():
@@ -37,6 +38,9 @@ def test_every_study_of_system_a_runs_and_is_plain_json():
         'trigger_rate': study_random_q.trigger_rate(runs=3),
         'update_forms': study_random_q.update_forms(runs=3),
         'matched_model': study_random_q.matched_model(runs=6, epochs=4, reference_runs=3, particles=50),
+        'process_noise': study_process_noise.process_noise(runs=3),
+        'fusion_rules': study_process_noise.fusion_rules(runs=3, sought_runs=2),
+        'data_rate': study_triggers.data_rate(runs=4, paths=2),
     }
     assert set(results) == set(study.STUDIES['system_a'])
     text = json.dumps(results, allow_nan=False)

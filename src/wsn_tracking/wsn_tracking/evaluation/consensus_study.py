@@ -20,6 +20,7 @@ import numpy as np
 
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.evaluation import consensus_runs as runs_of
+from wsn_tracking.evaluation.consensus_raw import track_raw
 from wsn_tracking.evaluation.consensus_runs import Scores, Worlds, mean_nees, median_nees, mode_accuracy, rmse, traffic
 from wsn_tracking.files import write_whole
 from wsn_tracking.fusion.weights import chebyshev_guard, contraction, metropolis
@@ -30,6 +31,7 @@ from wsn_tracking.trackers.consensus_config import ArrivalConfig, ConsensusConfi
 
 COMMAND = 'python -m wsn_tracking.evaluation.consensus_study -o docs/results'
 SEED = 1
+RAW_RUNS = 20  # of floods of readings, which cost fifty times the others
 SIZES = (10, 25, 50, 100, 200, 400)  # nodes
 Row = dict[str, Any]
 Table = list[Row]
@@ -59,6 +61,20 @@ def schemes(worlds: Worlds) -> Table:
     for row in table:
         row['rmse_of_cm_20'] = row['rmse_m'] / document['rmse_m']
         row['bytes_of_cm_20'] = row['bytes_nominal'] / document['bytes_nominal']
+    return table
+
+
+def ten_bytes(worlds: Worlds) -> Table:
+    """Floods of information against floods of readings in ten bytes an item, over the same runs."""
+    table = []
+    for hops in (4, 5):
+        config = ConsensusConfig(scheme='flood', rounds=hops)
+        told = {'bytes_nominal': traffic(config, worlds.positions).bytes_nominal}
+        table.append(_row(f'flood of information, {hops} hops', runs_of.track(config, worlds), told))
+        table.append(_row(f'flood of readings in ten bytes, {hops} hops', track_raw(config, worlds), told))
+    document = runs_of.track(ConsensusConfig(scheme='cm'), worlds)
+    for row in table:
+        row['rmse_of_cm_20'] = row['rmse_m'] / rmse(document)
     return table
 
 
@@ -168,6 +184,7 @@ def study(runs: int) -> Mapping[str, Table]:
     worlds = runs_of.sample(field, runs, SEED)
     tables: Mapping[str, Callable[[], Table]] = {
         'schemes': lambda: schemes(worlds),
+        'ten_bytes': lambda: ten_bytes(runs_of.some(worlds, slice(0, RAW_RUNS))),
         'faults': lambda: faults(field, runs),
         'links': lambda: links(worlds),
         'scaling': lambda: scaling(field, 100 * runs * 10),

@@ -49,7 +49,7 @@ class Circle:
 
     def local(self, tracks: mc.Tracks) -> Floats:
         """EI (runs,) [m] of the estimators on the average."""
-        return ei(mc.errors(tracks, self.sensed)).mean(axis=1)
+        return np.asarray(ei(mc.errors(tracks, self.sensed)).mean(axis=1))
 
     def fused(self, tracks: mc.Tracks, rule: str, runs: int | None = None) -> Floats:
         """EI (runs,) [m] of their fusion; `runs`: of the first so many runs alone."""
@@ -73,9 +73,9 @@ def process_noise(runs: int = 1000, seed: int = 1) -> Result:
 
 
 def fusion_rules(runs: int = 1000, seed: int = 1, sought_runs: int = 200) -> Result:
-    """Error indicator on a_circle of three random-q filters, and what each fusion rule changes (table 1 of the document).
+    """Error indicator on a_circle of three random-q filters, and what each fusion rule changes (the document's table 1).
 
-    Percent of the local error indicator, run by run over the same readings; negative is better.
+    In percent of the local one, run by run over the same readings; negative is better.
     """
     circle = Circle(runs, seed)
     result: Result = {'runs': runs, 'seed': seed, 'runs_of_optimal_and_ici': sought_runs}

@@ -13,11 +13,12 @@ from wsn_tracking.evaluation.study_process_noise import ESTIMATORS, identity_noi
 from wsn_tracking.models.anchors import Floats
 from wsn_tracking.sensing import trigger
 from wsn_tracking.simulation.scenario import Scenario
-from wsn_tracking.simulation.scenarios import scenario
+from wsn_tracking.simulation.scenarios import BY_SEED, scenario
 from wsn_tracking.trackers.random_q_config import NoiseConfig, RandomQConfig, UpdateConfig
 
 Result = dict[str, Any]
 NEAR = {'a_loop': -46.9, 'a_circle': -44.5, 'a_heading': -47.8}  # [dBm] where `near` sends as much as `event`
+KINDS = ('event', 'near', 'random', 'always')
 DOCUMENT = identity_noise(6.0, 8.0)
 IPLF = RandomQConfig(  # q_min = q_max: its noise is fixed
     noise=NoiseConfig(kind='acceleration', q_min=7.0, q_max=7.0, spectral_density=1.6e-3),
@@ -33,16 +34,16 @@ class Compared(NamedTuple):
     iplf: Floats  # (runs,) EI [m] of one iterated filter with fixed white acceleration
 
 
-def worlds(name: str, runs: int, paths: int) -> list[tuple[Scenario, Floats]]:
-    """Scenarios with their walks (runs, K, 4); of a walk that is drawn, `paths` of them share the runs."""
-    if name != 'a_heading':
-        return [(s := scenario(name), mc.repeated(s, runs))]
+def world(name: str, runs: int, paths: int) -> tuple[Scenario, Floats]:
+    """A scenario and its walk in every run (runs, K, 4); of walks that are drawn, `paths` share the runs."""
+    if name not in BY_SEED:
+        return (s := scenario(name)), mc.repeated(s, runs)
     drawn = [scenario(name, seed=path) for path in range(1, paths + 1)]
-    return [(s, mc.repeated(s, runs // paths)) for s in drawn]
+    return drawn[0], np.concatenate([mc.repeated(s, runs // paths) for s in drawn])
 
 
 def triggers_of(s: Scenario, share: float) -> dict[str, trigger.Trigger]:
-    """The document's trigger, `near` at the same data rate, a random `share` of all signals as the control, all of them."""
+    """The document's trigger, `near` at the same data rate, a random `share` of all as the control, and all."""
     return {
         'event': trigger.event(trigger.EventThresholds(alpha=s.alpha)),
         'near': trigger.near(NEAR[s.name]),
@@ -66,26 +67,23 @@ def compare(s: Scenario, states: Floats, step: trigger.Trigger, seed: int) -> Co
     )
 
 
-def same_data_rate(name: str, runs: int, seed: int, paths: int = 4, kinds: tuple[str, ...] = ()) -> dict[str, Compared]:
-    """Triggers on a scenario (all, or `kinds`); where paths are drawn, means over each path's runs, since those depend."""
-    done: dict[str, list[Compared]] = {}
-    for number, (s, states) in enumerate(worlds(name, runs, paths)):
-        share = 0.0
-        for kind in kinds or ('event', 'near', 'random', 'always'):
-            step = triggers_of(s, share)[kind]
-            compared = compare(s, states, step, seed + number)
-            if kind == 'event':
-                share = float(compared.sent.mean()) / (states.shape[1] * s.anchors.ids.size)
-            done.setdefault(kind, []).append(compared)
-    if name == 'a_heading':
-        done = {kind: [Compared(*(np.mean(v, keepdims=True) for v in c)) for c in all_] for kind, all_ in done.items()}
-    return {kind: Compared(*(np.concatenate(v) for v in zip(*all_, strict=True))) for kind, all_ in done.items()}
+def same_data_rate(name: str, runs: int, seed: int, paths: int, kinds: tuple[str, ...] = KINDS) -> dict[str, Compared]:
+    """Triggers on a scenario, run by run; where paths are drawn, path by path (the means of its runs)."""
+    s, states = world(name, runs, paths)
+    done: dict[str, Compared] = {}
+    share = 0.0
+    for kind in kinds:
+        done[kind] = compare(s, states, triggers_of(s, share)[kind], seed)
+        share = float(done['event'].sent.mean()) / (states.shape[1] * s.anchors.ids.size)
+    if name in BY_SEED:
+        done = {k: Compared(*(v.reshape(paths, -1).mean(axis=1) for v in c)) for k, c in done.items()}
+    return done
 
 
 def data_rate(runs: int = 1000, seed: int = 1, paths: int = 40) -> Result:
     """Trigger `near` with one iterated filter against the document's system at the same data rate.
 
-    a_heading: `paths` walks share the runs, and a path counts once.
+    a_heading: `paths` walks share the runs, and each counts once.
     """
     result: Result = {'runs': runs, 'seed': seed, 'paths_of_a_heading': paths}
     for name, y_min in NEAR.items():
@@ -97,7 +95,7 @@ def data_rate(runs: int = 1000, seed: int = 1, paths: int = 40) -> Result:
             'triggers': {
                 kind: {
                     'sent_a_run': mean_of(c.sent),
-                    'sent_of_event': float(f'{c.sent.mean() / event.sent.mean():.5g}'),
+                    'sent_of_event': ratio_of(c.sent, event.sent),
                     'ei_cm_document': mean_of(c.document, 100.0),
                     'ei_cm_iplf': mean_of(c.iplf, 100.0),
                 }

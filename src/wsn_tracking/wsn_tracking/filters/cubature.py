@@ -19,7 +19,7 @@ def points(belief: Belief, kappa: float = 0.0) -> Floats:
     kappa > 0 is the unscented rule: points further out, and the mean as one more, with weight kappa / (n + kappa).
     """
     m, S = belief
-    return m[..., None, :] + _rule(m.shape[-1], kappa).directions @ transpose(S)
+    return m[..., None, :] + _rule(m.shape[-1], kappa).directions @ np.ascontiguousarray(transpose(S))
 
 
 class Regression(NamedTuple):
@@ -57,8 +57,8 @@ class _Rule(NamedTuple):
 def _rule(n: int, kappa: float) -> _Rule:
     """The centre's even part is spread over those of the pairs, so that E has n columns with any kappa.
 
-    With t_k = y+_k + y-_k - 2 y_0 and s their sum, the even part of P_zz is (T T' - s s' / (n + kappa)) / 4 (n + kappa),
-    and T (I - g 1 1') with (1 - n g)^2 = kappa / (n + kappa) is a root of that bracket.
+    With t_k = y+_k + y-_k - 2 y_0 and s their sum, the even part of P_zz is 1 / (4 (n + kappa)) times
+    T T' - s s' / (n + kappa), of which T (I - g 1 1') with (1 - n g)^2 = kappa / (n + kappa) is a root.
     """
     eye, one, scale = np.eye(n), np.ones((1, n)), 0.5 / np.sqrt(n + kappa)
     centre = np.sqrt(kappa / (n + kappa))  # 1 - n g

@@ -92,7 +92,7 @@ def _condition(prior: Belief, z: Floats, missing: Mask, r: Regression, root_R: F
 
 def _trusted_or(fast: Belief, trusted: Mask, exact: Callable[[], Belief]) -> Belief:
     """The fast belief, and the exact one where any of its pivots (..., k) is not to be trusted."""
-    if trusted.all():
+    if all(trusted.tolist()) if trusted.ndim == 1 else trusted.all():
         return fast
     m, chol_P = exact()
     every = np.asarray(trusted.all(axis=-1))[..., None]

@@ -117,4 +117,4 @@ def _moved(w: Floats, step: Floats, length: Floats) -> Floats:
 def _inverse(Y: Floats, w: Floats) -> Floats:
     flat = Y.reshape(*Y.shape[:-2], Y.shape[-1] ** 2)
     total = (w[..., None, :] @ flat)[..., 0, :].reshape(*w.shape[:-1], *Y.shape[-2:])
-    return np.linalg.solve(total, np.broadcast_to(identity(Y.shape[-1]), total.shape))
+    return np.linalg.solve(total, identity(Y.shape[-1]).reshape((1,) * (total.ndim - 2) + Y.shape[-2:]))

@@ -20,7 +20,7 @@ def keyed(seed: int, who: int, epoch: int) -> np.random.Generator:
 
 
 class Stream:
-    """The draws of one `who`, epoch by epoch: those of `keyed`, at a fifth of the time, for whoever draws at every step.
+    """The draws of one `who`, epoch by epoch: those of `keyed` at a fifth of the time, for whoever draws at every step.
 
     It has one generator, which is set to an epoch: take an epoch's draws before the next one is asked for.
     """

@@ -28,6 +28,7 @@ def distance_function(anchors: Anchors, height: float = 0.0) -> Function:
     x, y = np.ascontiguousarray(anchors.positions[:, 0]), np.ascontiguousarray(anchors.positions[:, 1])
     dz_squared = np.square(height - anchors.positions[:, 2])
     planar = not dz_squared.any()
+    least = np.array(MIN_RANGE)
 
     def d(states: Floats) -> Floats:
         dx, dy = states[..., :1] - x, states[..., 1:2] - y
@@ -35,7 +36,7 @@ def distance_function(anchors: Anchors, height: float = 0.0) -> Function:
         squared += np.multiply(dy, dy, out=dy)
         if not planar:
             squared += dz_squared
-        return np.maximum(np.sqrt(squared, out=squared), MIN_RANGE, out=squared)
+        return np.maximum(np.sqrt(squared, out=squared), least, out=squared)
 
     return d
 

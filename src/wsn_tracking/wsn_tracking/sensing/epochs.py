@@ -150,6 +150,9 @@ class EpochAssembler:
 
     def _take_second(self, request: Request, now: float) -> None:
         """A request while a new run waits to begin: it belongs there, or shows that there is none."""
+        if request == self._newest:
+            self.counters['duplicate_request'] += 1
+            return
         if not self._is_stray(request):
             self._hold(request)
             self._follow(now)

@@ -17,7 +17,6 @@ from wsn_tracking.simulation.paths import circle, headings_inside, polygon_loop
 from wsn_tracking.simulation.scenario import Scenario
 from wsn_tracking.simulation.world import WORLD, rssi_packets
 
-
 AREA = (0.0, 0.0, 3.6, 2.4)  # [m] of seed 000
 SPEED = 0.06  # [m/s] of its robot
 WALK = WORLD + 1  # the stream of draws of a walk

@@ -9,7 +9,7 @@ from wsn_tracking.zstack.firmware.chip import UP, Chip
 from wsn_tracking.zstack.firmware.memory import SUCCESS
 from wsn_tracking.zstack.firmware.nib import NO_NETWORK
 from wsn_tracking.zstack.firmware.table import Table, srsp
-from wsn_tracking.zstack.firmware.zdp import ALL, ANSWERERS, IEEE_ADDR, MGMT_PERMIT, NWK_ADDR, ask
+from wsn_tracking.zstack.firmware.zdp import ALL, ANSWERERS, IEEE_ADDR, MGMT_PERMIT, NWK_ADDR, NWK_UPDATE, ask
 from wsn_tracking.zstack.frames import Frame
 
 ZDO = Table()
@@ -60,7 +60,7 @@ def _asks(cluster: int, layout: str) -> Callable[..., Iterable[Frame]]:
 
 
 for _cluster in ANSWERERS:
-    if _cluster != MGMT_PERMIT:
+    if _cluster not in (MGMT_PERMIT, NWK_UPDATE):  # whose commands have other fields
         _asks(_cluster, '$' if _cluster in (NWK_ADDR, IEEE_ADDR) else 'H$')
 
 
@@ -74,6 +74,13 @@ def permit_join(chip: Chip, mode: int, dst: int, seconds: int, significance: int
 
     chip.later(ANSWER_S, permitted)
     return [srsp(0x2536, SUCCESS)]
+
+
+@ZDO.on(0x2537, 'HB$')
+def update(chip: Chip, dst: int, mode: int, body: bytes) -> Iterable[Frame]:
+    """ZDO_MGMT_NWK_UPDATE_REQ: its number is not that of its cluster."""
+    chip.later(ANSWER_S, lambda: ask(chip, dst, NWK_UPDATE, body))
+    return [srsp(0x2537, SUCCESS)]
 
 
 @ZDO.on(0x253E, 'H')

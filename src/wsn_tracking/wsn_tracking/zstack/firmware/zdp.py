@@ -18,7 +18,7 @@ ALL = 0xFFFF  # every cluster
 ANSWER = 0x8000  # added to a cluster
 MESSAGE = 0x45FF  # ZDO_MSG_CB_INCOMING
 NWK_ADDR, IEEE_ADDR, NODE_DESC, POWER_DESC, SIMPLE_DESC, ACTIVE_EP, MATCH_DESC = range(7)
-MGMT_LQI, MGMT_RTG, MGMT_BIND, MGMT_PERMIT = 0x31, 0x32, 0x33, 0x36
+MGMT_LQI, MGMT_RTG, MGMT_BIND, MGMT_PERMIT, NWK_UPDATE = 0x31, 0x32, 0x33, 0x36, 0x38
 BIND, UNBIND = 0x21, 0x22
 COORDINATOR_NODE = bytes((0x00, 0x40, 0x8F, 0, 0, 80, 160, 0, 1, 0, 160, 0, 0))
 ROUTER_NODE = bytes((0x01,)) + b'\x40\x8e' + COORDINATOR_NODE[3:]
@@ -26,6 +26,8 @@ MAINS = b'\x10\xc1'
 MOTE_ENDPOINT = AfRegister(0xE8, 0xBF01, in_clusters=(0x10,), out_clusters=(0x10,))
 PER_ANSWER = 2  # neighbours of which one answer tells
 UNKNOWN_JOIN = 2
+LONGEST_SCAN = 5  # durations above it are commands
+QUIET = 20  # energy that a scan finds
 
 Answerer = Callable[[Chip, Mote, bytes], bytes]
 
@@ -160,6 +162,15 @@ def _empty_table(chip: Chip, mote: Mote, body: bytes) -> bytes:
     return bytes((0, 0, body[0], 0))
 
 
+def _scan(chip: Chip, mote: Mote, body: bytes) -> bytes:
+    """A scan of the energy on channels; a change of channel has no answer."""
+    mask, duration = struct.unpack_from('<IB', body)
+    if duration > LONGEST_SCAN:
+        return b''
+    channels = mask.bit_count()
+    return struct.pack('<BIHHB', 0, mask, 0, 0, channels) + bytes((QUIET,)) * channels
+
+
 def _done(chip: Chip, mote: Mote, body: bytes) -> bytes:
     return b'\x00'
 
@@ -178,4 +189,5 @@ ANSWERERS: dict[int, Answerer] = {
     MGMT_RTG: _empty_table,
     MGMT_BIND: _empty_table,
     MGMT_PERMIT: _done,
+    NWK_UPDATE: _scan,
 }

@@ -1,0 +1,199 @@
+"""The benchmark compares like with like and tells all that it measured. Nothing here looks at a time."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+
+from wsn_tracking.bags.read import read
+from wsn_tracking.bags.save import save
+from wsn_tracking.cli import main
+from wsn_tracking.commands import bench
+from wsn_tracking.evaluation import (
+    benchmark,
+    benchmark_bags,
+    benchmark_filter,
+    benchmark_fusion,
+    benchmark_graph,
+    benchmark_nodes,
+)
+from wsn_tracking.evaluation.benchmark_rows import Row, Sizes, at_least, at_most, cpu_seconds
+from wsn_tracking.fusion import covariance_intersection as ci
+
+TINY = Sizes(rounds=1, least=0.0, batches=(3,), messages=120, bag_s=2.0, long_s=20.0, graph_s=1.0, rates=(120.0,))
+
+
+def close(one, other):
+    np.testing.assert_allclose(one.m, other.m, atol=1e-10)
+    np.testing.assert_allclose(one.chol_P, other.chol_P, atol=1e-10)
+
+
+# --- contenders do the same work
+
+
+@pytest.mark.parametrize('seed', range(5))
+def test_stone_soup_computes_what_we_do(seed):
+    pytest.importorskip('stonesoup')
+    p = benchmark_filter.problem(seed=seed)
+    close(benchmark_filter.stone_soup(p)(), benchmark_filter.ours(p)())
+
+
+@pytest.mark.parametrize('seed', range(5))
+def test_filterpy_computes_what_we_do_where_it_is_right(seed):
+    """Without process noise: with it, filterpy forgets it in the innovation."""
+    pytest.importorskip('filterpy')
+    p = benchmark_filter.problem(q=0.0, seed=seed)
+    close(benchmark_filter.filterpy(p)(), benchmark_filter.ours(p)())
+
+
+def test_both_forms_and_every_batch_compute_the_same():
+    for batch in ((), (3,), (100,)):
+        p = benchmark_filter.problem(*batch)
+        assert np.all((~np.isnan(p.z)).sum(axis=-1) == benchmark_filter.HEARD)
+        close(benchmark_filter.ours(p)(), benchmark_filter.ours(p, 'qr')())
+
+
+@pytest.mark.parametrize('gradient', [False, True])
+def test_slsqp_finds_no_better_fusion(gradient):
+    pytest.importorskip('scipy')
+    m, P = benchmark_fusion.estimates(sets=10)
+    theirs = benchmark_fusion.slsqp(m, P, gradient=gradient)()
+    for mine, other in zip(benchmark_fusion.ours(m, P)(), theirs, strict=True):
+        assert np.trace(mine.P) <= np.trace(other.P) * (1.0 + 1e-9)
+        assert np.trace(mine.P) == pytest.approx(np.trace(other.P), rel=1e-5)
+
+
+def test_our_fusion_is_within_1e_9_of_the_optimum():
+    _, P = benchmark_fusion.estimates(seed=3, sets=100)
+    assert 0.0 <= benchmark_fusion.gap(P) < 1e-9
+    P[:, 2] = P[:, 1]
+    assert benchmark_fusion.gap(P) < 1e-9
+
+
+def test_readers_find_the_same_ranges(tmp_path):
+    pytest.importorskip('mcap_ros2')
+    bag = tmp_path / 'bag'
+    recording = benchmark_bags.as_ranges(benchmark_bags.loop(0.1, 3.0))
+    save(bag, recording)
+    theirs = benchmark_bags.read_by_mcap(bag)
+    assert len(theirs) == 30 * 12
+    assert benchmark_bags.ranges_of(read(bag)) == theirs == benchmark_bags.ranges_of(recording)
+
+
+def test_what_is_evaluated_is_tracked(tmp_path):
+    save(tmp_path / 'bag', benchmark_bags.loop(1.0, 60.0))
+    summary = benchmark_bags.evaluated(tmp_path / 'bag')
+    assert summary.epochs == 60
+    assert set(summary.outputs) >= {'local_1', 'local_2', 'local_3', 'fused_1', 'mean', 'lci'}
+    assert summary.outputs['fused_1'].rmse_m < 0.5
+
+
+def test_ci_of_the_benchmark_is_that_of_the_rule():
+    m, P = benchmark_fusion.estimates(sets=2)
+    for one, fused in enumerate(benchmark_fusion.ours(m, P)()):
+        np.testing.assert_array_equal(fused.m, ci.optimal(m[one], P[one]).m)
+
+
+# --- timing and telling
+
+
+def test_contenders_take_turns():
+    calls = []
+    took = cpu_seconds({'a': lambda: calls.append('a'), 'b': lambda: calls.append('b')}, TINY._replace(rounds=3))
+    assert ''.join(calls) == 'aa' + 'bb' + 'ab' * 3  # first to warm up and to see how long it takes
+    assert set(took) == {'a', 'b'}
+
+
+@pytest.mark.parametrize(('row', 'ratio', 'met'), [
+    (Row('g', 'w', 'us', 2.0, 'p', 8.0, at_least(4.0, ratio=True)), 4.0, True),
+    (Row('g', 'w', 'us', 2.0, 'p', 8.0, at_least(5.0, ratio=True)), 4.0, False),
+    (Row('g', 'w', 'us', 2.0, 'p', None, at_least(5.0, ratio=True)), None, None),
+    (Row('g', 'w', 's', 6.0, 'p', 4.0, at_most(1.5, ratio=True), faster_is_more=False), 1.5, True),
+    (Row('g', 'w', 's', 6.0, goal=at_most(5.0)), None, False),
+    (Row('g', 'w', 'ranges/s', 6.0, goal=at_least(5.0)), None, True),
+    (Row('g', 'w', 'ranges/s', None, goal=at_least(5.0), note='broken'), None, None),
+    (Row('g', 'w', 'us', 1.0), None, None),
+])
+def test_a_goal_is_met_missed_or_not_known(row, ratio, met):
+    assert row.ratio == ratio
+    assert (row.goal.met(row) if row.goal else None) is met
+
+
+ROWS = (
+    Row('filter', 'predict', 'us', 56.789, 'filterpy', 214.3, at_least(3.2, ratio=True)),
+    Row('filter', 'predict', 'us', 56.789, 'Stone Soup', None, at_least(16.0, ratio=True), note='not installed'),
+    Row('fusion', 'gap', 'share', 6.1e-12, goal=at_most(1e-9)),
+    Row('nodes', 'start', 'CPU s', 0.3, 'bare', 0.2, at_most(1.3, ratio=True), faster_is_more=False),
+)
+
+
+def test_table_shows_every_figure():
+    lines = benchmark.format_table(ROWS).splitlines()
+    assert lines[0].split() == ['work', 'ours', 'peer', 'ratio', 'goal']
+    assert lines[1].split() == ['predict', '56.8', 'us', 'filterpy', '214', 'us', '3.77', 'x', '>=', '3.2', 'x', 'ok']
+    assert lines[2].split() == ['predict', '[1]', '56.8', 'us', 'Stone', 'Soup', '-', 'us', '>=', '16', 'x']
+    assert lines[3] == ''
+    assert lines[4].split() == ['gap', '6.1e-12', 'share', '<=', '1e-09', 'ok']
+    assert ' '.join(lines[6].split()) == 'start 0.3 CPU s bare 0.2 CPU s 1.5 x <= 1.3 x not met'
+    assert lines[-1] == '[1] not installed'
+
+
+def test_json_holds_every_row():
+    content = json.loads(benchmark.to_json(ROWS))
+    assert content['machine']['cores'] >= 1
+    assert content['packages']['numpy'] == np.__version__
+    assert [row['work'] for row in content['rows']] == [row.work for row in ROWS]
+    assert content['rows'][0]['met'] is True
+    assert content['rows'][0]['goal'] == {'of': 'ratio', 'at_least': 3.2}
+    assert content['rows'][1]['theirs'] is content['rows'][1]['ratio'] is content['rows'][1]['met'] is None
+    assert content['rows'][3]['ratio'] == pytest.approx(1.5)
+
+
+@pytest.mark.parametrize('group', ['filter', 'fusion', 'bags'])
+def test_a_group_tells_a_figure_for_every_work(group):
+    pytest.importorskip('scipy')
+    rows = list(benchmark.benchmark([group], TINY))
+    assert {row.group for row in rows} == {group}
+    for row in rows:
+        assert row.ours is not None
+        assert math.isfinite(row.ours)
+        assert row.theirs is not None or row.note or not row.peer
+    assert benchmark.format_table(rows)
+    assert len(json.loads(benchmark.to_json(rows))['rows']) == len(rows)
+
+
+def test_a_peer_that_is_not_installed_is_said_and_not_fatal(monkeypatch):
+    def missing(problem):
+        raise ModuleNotFoundError("No module named 'filterpy'", name='filterpy')
+
+    monkeypatch.setitem(benchmark_filter.PEERS, 'filterpy', missing)
+    rows = [row for row in benchmark_filter.rows(TINY) if row.peer == 'filterpy']
+    assert len(rows) == 2
+    for row in rows:
+        assert row.ours is not None
+        assert row.theirs is row.ratio is None
+        assert 'filterpy' in row.note
+
+
+def test_a_graph_that_cannot_start_is_said_and_not_fatal(monkeypatch):
+    monkeypatch.setenv('AMENT_PREFIX_PATH', '')
+    (row,) = benchmark_graph.rows(TINY)
+    assert row.ours is None
+    assert 'not installed' in row.note
+    monkeypatch.setattr(benchmark_nodes, '_latency', lambda sizes: ())
+    (row,) = benchmark_nodes.rows(TINY)
+    assert 'not installed' in row.note
+
+
+def test_command_prints_the_table_and_writes_the_file(monkeypatch, tmp_path, capsys):
+    monkeypatch.setattr(benchmark, 'GROUPS', {'fusion': lambda sizes: ROWS})
+    with pytest.raises(SystemExit) as end:
+        main(['bench', '--only', 'fusion', '--json', str(tmp_path / 'b.json')])
+    assert end.value.code == 0
+    assert capsys.readouterr().out == benchmark.format_table(ROWS) + '\n'
+    assert (tmp_path / 'b.json').read_text() == benchmark.to_json(ROWS)
+
+
+def test_command_knows_every_group():
+    assert tuple(benchmark.GROUPS) == bench.GROUPS
