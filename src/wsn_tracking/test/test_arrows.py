@@ -35,6 +35,7 @@ ROOMS = {
     'launching': ('processes',),
     'offline': ('graphs', 'evaluation'),
     'surveys': ('evaluation',),
+    'real_radio': ('offline', 'surveys'),
     'bridging': ('sensing', 'zstack'),
     'live_study': ('offline', 'processes'),
     'documentation': ('configuration', 'bags'),

@@ -176,6 +176,17 @@ def test_dump_of_a_live_sink_attaches_again_after_a_reset(capsys, sink):
     assert 'seq 2' in out
 
 
+def test_sink_that_restarts_while_it_is_attached_to_is_attached_to_again(capsys, sink):
+    def first_time(asked):
+        first = len(sink.questions(c.AfRegister)) == 1
+        return [c.SysResetInd(0, 2, 0, 2, 6, 3)] if first else [c.AfRegisterRsp(0), message(report_payload(seq=1))]
+
+    sink.answers[c.AfRegister] = first_time
+    code, out, _ = run(capsys, 'dump', sink.link, '--seconds', '0.1', *QUICK)
+    assert (code, len(sink.questions(c.AfRegister))) == (0, 2)
+    assert 'RSSI report node 3 seq 1' in out
+
+
 def test_lines_of_a_live_sink_are_only_listened_to(capsys, sink):
     sink.answers = {}
     holder = os.open(sink.device, os.O_RDWR | os.O_NOCTTY)

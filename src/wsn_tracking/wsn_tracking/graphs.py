@@ -351,7 +351,7 @@ def _estimator(values: Values, numbers: Sequence[int], timing: Values) -> Proces
             *reports,
             *(f'estimate/local_{other}' for other in numbers if other != number),
         ),
-        gives=(f'estimate/local_{number}', f'estimate/fused_{number}'),
+        gives=tuple(f'{kind}/{output}_{number}' for kind in ('estimate', 'odometry') for output in ('local', 'fused')),
     )
 
 
@@ -378,7 +378,8 @@ def _evaluator(source: Source, plan: Plan, reporting: Sequence[str], values: Val
 
 
 def _recorder(source: Source, plan: Plan, values: Values) -> Process:
-    extra = tuple(topic for topic in values.get('extra_topics', ()) if topic)
+    derived = [f'{kind}/{output}' for kind in ('estimate', 'odometry') for output in plan.outputs]
+    extra = tuple(topic for topic in values.get('extra_topics', derived if values.get('derived') else ()) if topic)
     metadata = [f'{key}={value}' for key, value in source.metadata.items()]
     return Process(
         'bag_recorder_node',
@@ -388,6 +389,7 @@ def _recorder(source: Source, plan: Plan, values: Values) -> Process:
             'entry_level': source.entry_level,
             'targets': sorted({*source.targets, *(truth_target(topic) for topic in source.topics)} - {None}),
             'metadata': metadata or [''],
+            'extra_topics': list(extra) or [''],
             **values,
         },
         takes=('anchors', *source.topics, *extra),

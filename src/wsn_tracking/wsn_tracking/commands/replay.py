@@ -26,8 +26,16 @@ def add(commands: Commands) -> None:
     add_tracking(command)
     command.add_argument('--rate', type=rate, default=1.0, help='multiple of real time, or max (default: 1)')
     command.add_argument('--record', metavar='BAG', help='record what a replay needs into a new bag')
+    command.add_argument('--derived', action='store_true', help='with --record: estimates and their odometry as well')
     command.add_argument('--one-process-each', action='store_true', help='a process for every sensing node')
     command.add_argument('--markers', action='store_true', help='publish markers for RViz and Foxglove')
+
+
+def _record(options: argparse.Namespace) -> dict[str, Any] | None:
+    """Parameters of the recorder, where there is one."""
+    if not options.record:
+        return None
+    return {'output': str(Path(options.record).resolve()), **({'derived': True} if options.derived else {})}
 
 
 def _do(options: argparse.Namespace) -> int:
@@ -47,7 +55,7 @@ def _do(options: argparse.Namespace) -> int:
         target_id=options.target,
         namespace=options.namespace,
         evaluator=evaluator,
-        record={'output': str(Path(options.record).resolve())} if options.record else None,
+        record=_record(options),
         one_process_each=options.one_process_each,
         markers=options.markers,
         progress=sys.stderr.isatty(),

@@ -33,7 +33,13 @@ STUDIES: Mapping[str, Mapping[str, Study]] = {  # file: its studies
 }
 
 
-def run(folder: Path, wanted: Sequence[str] = (), studies: Mapping[str, Mapping[str, Study]] = STUDIES) -> list[Path]:
+def run(
+    folder: Path,
+    wanted: Sequence[str] = (),
+    studies: Mapping[str, Mapping[str, Study]] = STUDIES,
+    *,
+    command: str = COMMAND,
+) -> list[Path]:
     """Run the wanted studies (none: all) and write one file a table; figures of studies that are not run stay."""
     known = [name for table in studies.values() for name in table]
     for name in wanted:
@@ -49,7 +55,7 @@ def run(folder: Path, wanted: Sequence[str] = (), studies: Mapping[str, Mapping[
         for name in chosen:
             print(f'{file}: {name}', file=sys.stderr, flush=True)
             results[name] = {'what': _first_line(table[name]), **table[name]()}
-        text = json.dumps({'command': COMMAND, 'studies': results}, indent=2, sort_keys=True, allow_nan=False)
+        text = json.dumps({'command': command, 'studies': results}, indent=2, sort_keys=True, allow_nan=False)
         write_whole(path, text.encode() + b'\n')
         written.append(path)
     return written

@@ -11,7 +11,7 @@ from nav_msgs.msg import Odometry
 from rclpy.serialization import deserialize_message
 from wsn_tracking_msgs import msg
 
-from wsn_tracking.bags.types import expected_type
+from wsn_tracking.bags.types import ODOMETRY, expected_type
 from wsn_tracking.bags.write import BagWriter
 from wsn_tracking.configuration import RecorderConfig
 from wsn_tracking.errors import TrackingError
@@ -46,7 +46,7 @@ class BagRecorderNode(TrackingNode[RecorderConfig]):
         return ['anchors', 'request', *level, 'epoch_end', *truths, *extra]
 
     def _record(self, topic: str) -> None:
-        type_name = expected_type(topic)
+        type_name = ODOMETRY if topic.startswith('odometry/') else expected_type(topic)
         if type_name is None:
             raise TrackingError(
                 f'topic `{topic}` has no known type: expected rssi, truth/..., estimate/... and the like'

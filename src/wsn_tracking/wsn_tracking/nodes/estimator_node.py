@@ -54,7 +54,7 @@ class EstimatorNode(TrackingNode[EstimatorNodeConfig]):
     def _outputs(self, name: str) -> tuple[Any, Any]:
         return (
             self.give(msg.TargetEstimate, f'estimate/{name}', qos.ESTIMATES),
-            self.create_publisher(Odometry, f'odometry/{name}', qos.ESTIMATES),
+            self.give(Odometry, f'odometry/{name}', qos.ESTIMATES),
         )
 
     def _take_peer(self, peer: int) -> None:

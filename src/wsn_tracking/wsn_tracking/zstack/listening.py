@@ -32,17 +32,29 @@ def listen(config: LinkConfig, protocol: LineProtocol, seconds: float | None, *,
         dialogue = Dialogue(line, config.timeout, new_counters())
         time.sleep(config.timeout.settle)
         line.drop()
-        if config.sink_protocol == 'znp':
-            _introduce(dialogue, config, questions=questions)
-        end = float('inf') if seconds is None else time.monotonic() + seconds
+        is_new = config.sink_protocol == 'znp'
+        end = float('inf')
         while time.monotonic() < end:
-            dialogue.listen(min(end, time.monotonic() + TURN_S))
-            if dialogue.restarted and config.sink_protocol == 'znp':
+            if is_new:
                 dialogue.restarted = False
                 _introduce(dialogue, config, questions=questions)
+            elif end == float('inf') and seconds is not None:
+                end = time.monotonic() + seconds
+            else:
+                dialogue.listen(min(end, time.monotonic() + TURN_S))
+            is_new = dialogue.restarted and config.sink_protocol == 'znp'
 
 
 def _introduce(dialogue: Dialogue, config: LinkConfig, *, questions: bool) -> None:
+    """Say what is said to a new sink; one that restarts meanwhile is new again, and no error."""
+    try:
+        _ask_or_attach(dialogue, config, questions=questions)
+    except TrackingError:
+        if not dialogue.restarted:
+            raise
+
+
+def _ask_or_attach(dialogue: Dialogue, config: LinkConfig, *, questions: bool) -> None:
     sink = probe(dialogue, toggle_dtr_rts=config.toggle_dtr_rts)
     if not questions:
         attach(dialogue, config.radio, config.multicast_group)

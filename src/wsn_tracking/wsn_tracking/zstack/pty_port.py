@@ -21,6 +21,7 @@ class PtyPort:
         self.link = Path(link)
         self.device = ''
         self._master = self._slave = -1
+        self._old_slave = -1  # held so that the next device gets another name
 
     @property
     def plugged(self) -> bool:
@@ -50,14 +51,20 @@ class PtyPort:
             self.unplug()
             raise TrackingError(f'the port cannot be linked at {self.link} ({error.strerror})') from None
 
-    def unplug(self) -> None:
-        """Vanish: whoever has it open is hung up."""
+    def unplug(self, *, reserve: bool = False) -> None:
+        """Vanish: whoever has it open is hung up. `reserve`: the next device will have another name."""
+        if self._old_slave >= 0:
+            os.close(self._old_slave)
+            self._old_slave = -1
         if not self.plugged:
             return
         with contextlib.suppress(OSError):
-            if os.readlink(self.link) == self.device:
+            if str(self.link.readlink()) == self.device:
                 self.link.unlink()
-        os.close(self._slave)
+        if reserve:
+            self._old_slave = self._slave
+        else:
+            os.close(self._slave)
         os.close(self._master)
         self._master = self._slave = -1
 

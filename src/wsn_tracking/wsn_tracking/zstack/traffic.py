@@ -166,7 +166,7 @@ class Traffic:
         said = []
         for node in self.nodes.values():
             if node.heartbeat_s <= now:
-                node.heartbeat_s += self._config.heartbeat * max(1, math.ceil((now - node.heartbeat_s) / 60.0))
+                node.heartbeat_s = now + self._config.heartbeat
                 said.append(self._message(node, PayloadType.HEARTBEAT, (), now, 0.0))
         return said
 

@@ -1,4 +1,4 @@
-"""What a fault can do. A fault overrides the one hook of the place where it strikes; the others leave things as they are."""
+"""What a fault can do: it overrides the hook of the place where it strikes; the others leave things as they are."""
 
 from __future__ import annotations
 

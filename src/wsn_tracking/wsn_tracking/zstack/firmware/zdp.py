@@ -139,7 +139,8 @@ def _clusters(clusters: tuple[int, ...]) -> bytes:
 def _match_desc(chip: Chip, mote: Mote, body: bytes) -> bytes:
     address, own = _of_interest(mote, body)
     (profile,) = struct.unpack_from('<H', body, 2)
-    found = bytes(e.endpoint for e in _endpoints(chip, mote).values() if e.profile == profile) if own else b''
+    endpoints = _endpoints(chip, mote).values() if own else ()
+    found = bytes(endpoint.endpoint for endpoint in endpoints if endpoint.profile == profile)
     return b'\x00' + address + bytes((len(found),)) + found
 
 

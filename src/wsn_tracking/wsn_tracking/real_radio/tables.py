@@ -1,0 +1,159 @@
+"""One table a recording: RMSE and NEES of 2-D position with each switch."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+
+from wsn_tracking.configuration import Values, load_configuration
+from wsn_tracking.evaluation.run import summarise
+from wsn_tracking.evaluation.score import Score
+from wsn_tracking.evaluation.summary import Summary, pool_summaries
+from wsn_tracking.offline import offline
+from wsn_tracking.real_radio.sets import Bags, Sets
+
+Result = dict[str, Any]
+
+# What is switched off at first, and then on again in this order.
+OFF: Mapping[str, Any] = {'update.kind': 'ckf', 'robust.dof': 0.0, 'robust.offset_std': 0.0, 'update.kappa': 0.0}
+LADDER = (
+    ('gaussian_ckf', ()),
+    ('iterated', ('update.kind',)),
+    ('student_t', ('update.kind', 'robust.dof')),
+    ('drifting_offsets', ('update.kind', 'robust.dof', 'robust.offset_std')),
+)
+KAPPA = {'update.kappa': 2.0}
+GATE = {'robust.gate': 3.0, 'reacquire.rejects': 8}
+STUDENT_T = {'robust.dof': 5.0, 'update.kind': 'iplf'}
+DENSITIES = (0.003, 0.01, 0.03, 0.1, 0.3)  # [m^2/s^3] that every rung of the ladder may choose from
+
+
+def tracked(bags: Bags, configuration: str, settings: Values) -> Summary:
+    """All bags of a set with one configuration, pooled."""
+    summaries = []
+    for source, recording in bags.opened:
+        run = offline(source, recording, configuration, settings)
+        summaries.append(summarise(source.title, recording, run, bags.skip_s))
+    return pool_summaries(summaries)
+
+
+def central(bags: Bags, configuration: str, settings: Values) -> Result:
+    """Figures of one estimator that hears all nodes."""
+    return _figures(tracked(bags, configuration, {**settings, 'peers': [1]}).outputs['local_1'])
+
+
+def _figures(score: Score) -> Result:
+    return {
+        'rmse_m': _short(score.rmse_m),
+        'median_m': _short(score.median_m),
+        'p95_m': _short(score.p95_m),
+        'nees': _short(score.nees),
+        'nees_interval_95': [_short(end) for end in score.nees_interval],
+        'epochs': score.epochs,
+    }
+
+
+def _short(value: float) -> float | None:
+    """Four digits; null where nothing is known."""
+    return float(f'{value:.4g}') if math.isfinite(value) else None
+
+
+def of_signal_strengths(bags: Bags, configuration: str) -> Result:
+    """The ladder from a Gaussian cubature filter up, calibrations, and what was tried and not taken."""
+    rungs = {name: {k: v for k, v in OFF.items() if k not in back} for name, back in LADDER}
+    rungs['kappa_2'] = KAPPA
+    result = {}
+    for name, settings in rungs.items():
+        tried = {d: central(bags, configuration, {**settings, 'noise.spectral_density': d}) for d in DENSITIES}
+        best = min(tried, key=lambda d: float(tried[d]['rmse_m']))
+        result[name] = {
+            **central(bags, configuration, settings),
+            'best_of_densities': {'spectral_density': best, **tried[best]},
+        }
+    others: Mapping[str, Values] = {
+        'as_configured': {},
+        'calibrated_path_loss': {'channel': bags.channel},
+        'radio_map': {'channel': bags.with_map},
+        'tried_gate_3': GATE,
+        'tried_without_area': {'area': []},
+    }
+    return {**result, **{name: central(bags, configuration, settings) for name, settings in others.items()}}
+
+
+def of_ranges(bags: Bags, configuration: str) -> Result:
+    """With and without calibration, and what was tried on top of it."""
+    calibrated = {'channel': bags.channel}
+    rows: Mapping[str, Values] = {
+        'uncalibrated': {},
+        'calibrated': calibrated,
+        'tried_student_t': {**calibrated, **STUDENT_T},
+        'tried_gate_3': {**calibrated, **GATE},
+    }
+    told = load_configuration(configuration).of('estimator_1')
+    return {
+        'range_std_m': told['update.range_std'],
+        'scored_from_s': bags.skip_s,
+        **{name: central(bags, configuration, settings) for name, settings in rows.items()},
+    }
+
+
+def of_three(bags: Bags, configuration: str) -> Result:
+    """Three estimators that hear four receivers each, with and without feedback, and with the map."""
+    rows: Mapping[str, Values] = {
+        'feedback': {},
+        'no_feedback': {'fusion.feedback': False},
+        'radio_map': {'channel': bags.with_map},
+    }
+    result = {}
+    for name, settings in rows.items():
+        outputs = tracked(bags, configuration, settings).outputs
+        alone = [outputs[f'local_{i}'].rmse_m for i in (1, 2, 3)]
+        result[name] = {
+            'local_rmse_m': [_short(value) for value in alone],
+            'mean_of_the_locals_rmse_m': _short(float(np.mean(alone))),
+            'fused': _figures(outputs['fused_1']),
+        }
+    return result
+
+
+def danis_central(sets: Sets) -> Result:
+    """BLE beacon in a flat, all receivers; radios: the survey; the rest was tuned on the four tracks that are scored."""
+    return of_signal_strengths(sets.bags('danis'), 'danis_central')
+
+
+def danis_three(sets: Sets) -> Result:
+    """The same with four receivers an estimator; tuned on the four tracks that are scored."""
+    return of_three(sets.bags('danis'), 'danis_three')
+
+
+def kolakowski(sets: Sets) -> Result:
+    """BLE tag on a robot; radios: the survey; the rest was tuned on the robot track that is scored."""
+    return of_signal_strengths(sets.bags('kolakowski'), 'kolakowski')
+
+
+def lias(sets: Sets) -> Result:
+    """UWB on a trolley; radios: the first 15 s, which are not scored."""
+    return of_ranges(sets.bags('lias'), 'lias')
+
+
+def plaza2(sets: Sets) -> Result:
+    """Radio beacons and a lawnmower; radios: the first 100 s (a quarter), which are not scored."""
+    return of_ranges(sets.bags('plaza2'), 'plaza')
+
+
+def labyrinth(sets: Sets) -> Result:
+    """UWB through walls; radios: the first 10 s (a third), which are not scored."""
+    return of_ranges(sets.bags('labyrinth'), 'labyrinth')
+
+
+TABLES: Mapping[str, Callable[[Sets], Result]] = {
+    'danis_central': danis_central,
+    'danis_three': danis_three,
+    'kolakowski': kolakowski,
+    'lias': lias,
+    'plaza2': plaza2,
+    'labyrinth': labyrinth,
+}
