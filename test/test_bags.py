@@ -3,8 +3,8 @@
 from pathlib import Path
 
 import pytest
-from live import ROOT
 
+from live import ROOT
 from wsn_tracking.bags.read import read
 from wsn_tracking.simulation.record import record
 from wsn_tracking.simulation.scenarios import scenario

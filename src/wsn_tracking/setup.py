@@ -13,7 +13,7 @@ def files(folder, pattern):
     return sorted(path for path in Path(folder).glob(pattern) if path.is_file())
 
 
-NODES = [path.stem for path in files(f'{NAME}/nodes', '*_node.py')]
+NODES = [path.stem for pattern in ('*_node.py', '*_simulator.py') for path in files(f'{NAME}/nodes', pattern)]
 
 setup(
     name=NAME,
@@ -30,7 +30,7 @@ setup(
             for folder, pattern in SHARED.items()
         ),
     ],
-    # Each file nodes/<name>_node.py is an executable of that name.
+    # Each file nodes/*_node.py or nodes/*_simulator.py is an executable of that name.
     entry_points={
         'console_scripts': [
             *(f'{node} = {NAME}.nodes.{node}:main' for node in NODES),

@@ -21,6 +21,7 @@ from wsn_tracking.trackers.estimator import EstimatorConfig
 from wsn_tracking.trackers.fusing import FusionConfig
 from wsn_tracking.zstack.clock import ClockConfig
 from wsn_tracking.zstack.settings import LinkConfig
+from wsn_tracking.zstack.simulator_settings import SimulatorConfig
 
 Values = Mapping[str, Any]  # dotted parameter name -> value
 
@@ -169,9 +170,24 @@ class SerialBridgeConfig(LinkConfig, ClockConfig):
     anchors: AnchorsConfig = group(AnchorsConfig)
 
 
+@dataclass(frozen=True)
+class SinkSimulatorConfig(SimulatorConfig):
+    """sink_simulator."""
+
+    scenario: str = param('a_loop', 'experiment behind the sink')
+    bag: str = param('', 'bag behind the sink, in the place of a scenario')
+    target_id: int = param(-1, 'the one target that is there; -1: all', 'id', -1, 65535)
+    expected_nodes: tuple[str, ...] = param(
+        ('',), 'names of the nodes that must be ready before the nodes speak; empty: none'
+    )
+    publish_anchors: bool = param(True, 'publish the table of nodes, for a bridge that has none')
+    linger: float = param(5.0, 'how long it stays after the last message; 0: until it is ended', 's', 0.0, 1e9)
+
+
 EXECUTABLES: Mapping[str, type[Any]] = {
     'sensing_node': SensingNodeConfig,
     'serial_bridge_node': SerialBridgeConfig,
+    'sink_simulator': SinkSimulatorConfig,
     'estimator_node': EstimatorNodeConfig,
     'world_node': WorldConfig,
     'bag_player_node': PlayerConfig,

@@ -73,7 +73,7 @@ def process_noise(runs: int = 1000, seed: int = 1) -> Result:
 
 
 def fusion_rules(runs: int = 1000, seed: int = 1, sought_runs: int = 200) -> Result:
-    """Error indicator on a_circle of three random-q filters, and what each fusion rule changes (the document's table 1).
+    """Error indicator on a_circle of three random-q filters, and what each fusion rule changes (table 1).
 
     In percent of the local one, run by run over the same readings; negative is better.
     """

@@ -2,8 +2,8 @@
 
     python -m wsn_tracking.real_radio DATA -o docs/results [NAME ...]
 
-DATA holds the recordings of docs/datasets.md, each in a folder of its own. Bags and calibrations are made in a temporary
-folder: from surveys, or from the first part of a recording, which is not scored.
+DATA holds the recordings of docs/datasets.md, each in a folder of its own. Bags and calibrations are made in a
+temporary folder: from surveys, or from the first part of a recording, which is not scored.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from pathlib import Path
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.evaluation import study
 from wsn_tracking.real_radio.sets import Sets
-from wsn_tracking.real_radio.tables import TABLES, Result
+from wsn_tracking.real_radio.tables import TABLES
 
 COMMAND = 'python -m wsn_tracking.real_radio DATA -o docs/results'
 

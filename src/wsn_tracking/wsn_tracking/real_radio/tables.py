@@ -120,7 +120,7 @@ def of_three(bags: Bags, configuration: str) -> Result:
 
 
 def danis_central(sets: Sets) -> Result:
-    """BLE beacon in a flat, all receivers; radios: the survey; the rest was tuned on the four tracks that are scored."""
+    """BLE beacon in a flat, all receivers; radios: the survey; else tuned on the four tracks that are scored."""
     return of_signal_strengths(sets.bags('danis'), 'danis_central')
 
 

@@ -26,6 +26,7 @@ class PtyLoop:
         self.simulator = simulator
         self.lost_bytes = 0
         self.begun: float | None = None  # when the world began (time.monotonic)
+        self.finished = False  # whether everything was sent
         self._port = port
         self._may_begin = may_begin
         self._stop = stop
@@ -49,6 +50,7 @@ class PtyLoop:
         if self.begun is None and self.simulator.delivers and self._may_begin():
             self.begun = time.monotonic()
             self.simulator.begin(self.begun)
+        self.finished = self.begun is not None and self.simulator.finished and not self._waiting
         wait = min(max(self.simulator.due - time.monotonic(), 0.0), LONGEST_WAIT_S)
         self._port.wait(wait, writable=bool(self._waiting))
         if self._port.plugged:

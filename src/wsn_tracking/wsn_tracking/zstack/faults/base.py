@@ -64,6 +64,10 @@ class Fault:
         """What reaches the sink of an epoch's messages, in that order."""
         return messages
 
+    def held(self) -> list[Message]:
+        """What was held back of the messages, when there are no more to come."""
+        return []
+
     def reply(self, request: Frame, replies: Sequence[Frame]) -> list[tuple[float, Frame]]:
         """What the sink says to a request, and after how long [s]."""
         return [(0.0, reply) for reply in replies]

@@ -58,6 +58,11 @@ class Reorder(Fault):
                 heard.append(message)
         return heard
 
+    def held(self) -> list[Message]:
+        """Those that nothing has overtaken."""
+        held, self._waiting = self._waiting, {}
+        return list(held.values())
+
 
 class Lost(Fault):
     """A message that no radio received."""

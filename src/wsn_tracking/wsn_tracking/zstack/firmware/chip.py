@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import heapq
-import itertools
 import random
 from collections import Counter, deque
 from collections.abc import Callable, Iterable
 from typing import NamedTuple
 
+from wsn_tracking.zstack.agenda import Agenda
 from wsn_tracking.zstack.commands import AfRegister, SysResetInd, ZdoStateChangeInd, encode
 from wsn_tracking.zstack.firmware.flavour import Flavour
 from wsn_tracking.zstack.firmware.memory import Item, Memory
@@ -57,8 +56,7 @@ class Chip:
         self.now = 0.0
         self.random = random.Random(seed)
         self._first_tick = first_tick
-        self._numbers = itertools.count()
-        self._due: list[tuple[float, int, Later]] = []
+        self._agenda: Agenda[Later] = Agenda()
         self._power_up()
 
     def _power_up(self) -> None:
@@ -70,7 +68,7 @@ class Chip:
         self.groups: dict[tuple[int, int], bytes] = {}
         self.callbacks: set[int] = set()  # clusters of ZDO messages that are passed on as they are
         self.formation_channels = 0
-        self._due.clear()
+        self._agenda.clear()
 
     # ---- time
 
@@ -81,18 +79,18 @@ class Chip:
 
     def later(self, seconds: float, do: Later) -> None:
         """Do something, and say what it gives, after a while."""
-        heapq.heappush(self._due, (self.now + seconds, next(self._numbers), do))
+        self._agenda.at(self.now + seconds, do)
 
     @property
     def due(self) -> float:
         """When the next of it is due."""
-        return self._due[0][0] if self._due else float('inf')
+        return self._agenda.due
 
     def overdue(self, now: float) -> Later | None:
         """The next thing that is due by `now`; the chip's time goes on to it."""
         if self.due > now:
             return None
-        due, _, do = heapq.heappop(self._due)
+        due, do = self._agenda.take()
         self.now = max(self.now, due)
         return do
 

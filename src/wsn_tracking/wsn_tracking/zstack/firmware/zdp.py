@@ -168,7 +168,7 @@ def _scan(chip: Chip, mote: Mote, body: bytes) -> bytes:
     mask, duration = struct.unpack_from('<IB', body)
     if duration > LONGEST_SCAN:
         return b''
-    channels = mask.bit_count()
+    channels = int(mask).bit_count()
     return struct.pack('<BIHHB', 0, mask, 0, 0, channels) + bytes((QUIET,)) * channels
 
 

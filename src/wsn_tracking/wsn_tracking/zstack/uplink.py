@@ -1,0 +1,73 @@
+"""What the host reads of a message that a sink's radio has received, by the kind of sink (zstack.md, section 1)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from wsn_tracking.errors import TrackingError
+from wsn_tracking.zstack.commands import AfIncomingMsg, MtAppRsp, encode
+from wsn_tracking.zstack.device import Device
+from wsn_tracking.zstack.frames import encode_frame
+from wsn_tracking.zstack.lines import encode_line
+from wsn_tracking.zstack.protocols import Radio
+from wsn_tracking.zstack.reports import Report
+from wsn_tracking.zstack.traffic import AirEpoch, Message
+
+Uplink = Callable[[Message, float], list[bytes]]  # message and time -> what is written, each as a whole
+
+
+def uplink_of(protocol: str, device: Device, radio: Radio) -> Uplink:
+    """The way of one kind of sink."""
+    if protocol == 'ascii':
+        return lambda message, now: _lines(message, radio)
+    if protocol == 'mt_app':
+        return lambda message, now: _app_frames(message, radio)
+    return lambda message, now: _znp_frames(message, now, device, radio)
+
+
+def check_carries(protocol: str, payload: str, epochs: Sequence[AirEpoch]) -> None:
+    """TrackingError where that kind of sink cannot carry what is to be sent."""
+    if protocol != 'ascii':
+        return
+    ranges = any(reading.rssi_dbm is None for epoch in epochs for reading in epoch.readings)
+    if payload in {'range', 'worn'} or (payload == 'auto' and ranges):
+        raise TrackingError('sink_protocol ascii carries signal strengths of robots only: choose znp or mt_app')
+
+
+def _znp_frames(message: Message, now: float, device: Device, radio: Radio) -> list[bytes]:
+    endpoints = device.chip.endpoints
+    if message.endpoint != radio.endpoint and radio.endpoint in endpoints:  # another application of the host has it
+        endpoints.setdefault(message.endpoint, endpoints[radio.endpoint]._replace(endpoint=message.endpoint))
+    incoming = AfIncomingMsg(
+        group=0,
+        cluster=message.cluster,
+        src=message.src,
+        src_endpoint=message.endpoint,
+        dst_endpoint=message.endpoint,
+        was_broadcast=int(message.was_broadcast),
+        lqi=message.lqi,
+        security=0,
+        timestamp=0,
+        trans_seq=0,
+        data=message.bytes,
+        mac_src=message.mac_src,
+        radius=max(radio.default_radius - message.hops, 0),
+    )
+    return [encode_frame(frame) for frame in device.incoming(incoming, now)]
+
+
+def _app_frames(message: Message, radio: Radio) -> list[bytes]:
+    if message.cluster != radio.cluster:
+        return []
+    return [encode_frame(encode(MtAppRsp(message.endpoint, message.bytes)))]
+
+
+def _lines(message: Message, radio: Radio) -> list[bytes]:
+    if (message.cluster, message.endpoint) != (radio.cluster, radio.endpoint):
+        return []
+    payload = message.payload
+    parts = [payload._replace(records=(record,)) for record in payload.records] or [payload]
+    lines = [encode_line(Report(part, lqi=message.lqi, hops=message.hops)) for part in parts]
+    if message.data is None:
+        return lines
+    return [line.replace(b'*', b'#') for line in lines]  # damaged
