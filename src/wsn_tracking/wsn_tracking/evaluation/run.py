@@ -95,8 +95,9 @@ def run_random_q(
     count, start_ns = 0, 0
 
     def anew() -> None:
-        for part in (*(p for _, local, fuser, _ in parts for p in (local, fuser)), *others, *([stage] if stage else ())):
-            part.reset()
+        each = (kept for part in parts for kept in (part.local, part.fuser))
+        for kept in (*each, *others, *([stage] if stage else ())):
+            kept.reset()
 
     for epoch in progress(epochs_of(recording, target_id, counters, anew), total):
         start_ns, count = (start_ns if count else epoch.stamp_ns), count + 1

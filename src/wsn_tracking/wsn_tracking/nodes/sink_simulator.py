@@ -48,7 +48,7 @@ class SinkSimulator(TrackingNode[SinkSimulatorConfig]):
             table = convert.anchors_message(recording.anchors, time.time_ns())
             self.create_publisher(msg.Anchors, 'anchors', qos.LATCHED_LAST).publish(table)
         self._awaited = {name for name in config.expected_nodes if name}
-        self.create_subscription(String, 'ready', lambda m: self._awaited.discard(m.data), qos.LATCHED)
+        self.create_subscription(String, 'ready', self._heard_ready, qos.LATCHED)
         self._speed = config.rate or AT_ONCE
         self._ended_at: float | None = None
         self._steady_to_stamp = time.time_ns() - time.monotonic_ns()
@@ -69,6 +69,9 @@ class SinkSimulator(TrackingNode[SinkSimulatorConfig]):
         self._stop.set()
         self._thread.join()
         super().destroy_node()
+
+    def _heard_ready(self, message: String) -> None:
+        self._awaited.discard(message.data)
 
     def _run(self) -> None:
         try:
