@@ -30,7 +30,9 @@ ROOMS = {
     'zstack': (),
     # what stands above the rooms, for nodes and commands
     'configuration': ('trackers', 'zstack'),
-    'graphs': ('configuration', 'bags', 'simulation'),
+    'graph_parts': ('configuration', 'bags'),
+    'graphs_consensus': ('graph_parts',),
+    'graphs': ('graphs_consensus', 'simulation'),
     'processes': ('graphs',),
     'launching': ('processes',),
     'offline': ('graphs', 'evaluation'),
@@ -38,9 +40,10 @@ ROOMS = {
     'real_radio': ('offline', 'surveys'),
     'bridging': ('sensing', 'zstack'),
     'live_study': ('offline', 'processes'),
+    'benchmarks': ('offline', 'processes'),
     'documentation': ('configuration', 'bags'),
     'nodes': ('evaluation', 'bridging', 'offline'),
-    'commands': ('evaluation', 'zstack', 'offline', 'processes', 'surveys', 'documentation'),
+    'commands': ('evaluation', 'zstack', 'offline', 'processes', 'surveys', 'documentation', 'benchmarks'),
     'cli': ('commands',),
 }
 # Single modules of a room that others may enter all the same, and why.

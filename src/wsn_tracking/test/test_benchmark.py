@@ -8,16 +8,11 @@ import pytest
 
 from wsn_tracking.bags.read import read
 from wsn_tracking.bags.save import save
+from wsn_tracking.benchmarks import bags, graph, nodes, table
 from wsn_tracking.cli import main
 from wsn_tracking.commands import bench
-from wsn_tracking.evaluation import (
-    benchmark,
-    benchmark_bags,
-    benchmark_filter,
-    benchmark_fusion,
-    benchmark_graph,
-    benchmark_nodes,
-)
+from wsn_tracking.evaluation import benchmark_filter as filters
+from wsn_tracking.evaluation import benchmark_fusion as fusion
 from wsn_tracking.evaluation.benchmark_rows import Row, Sizes, at_least, at_most, cpu_seconds
 from wsn_tracking.fusion import covariance_intersection as ci
 
@@ -35,63 +30,63 @@ def close(one, other):
 @pytest.mark.parametrize('seed', range(5))
 def test_stone_soup_computes_what_we_do(seed):
     pytest.importorskip('stonesoup')
-    p = benchmark_filter.problem(seed=seed)
-    close(benchmark_filter.stone_soup(p)(), benchmark_filter.ours(p)())
+    p = filters.problem(seed=seed)
+    close(filters.stone_soup(p)(), filters.ours(p)())
 
 
 @pytest.mark.parametrize('seed', range(5))
 def test_filterpy_computes_what_we_do_where_it_is_right(seed):
-    """Without process noise: with it, filterpy forgets it in the innovation."""
+    """At rest and without process noise: it draws no new points after a prediction."""
     pytest.importorskip('filterpy')
-    p = benchmark_filter.problem(q=0.0, seed=seed)
-    close(benchmark_filter.filterpy(p)(), benchmark_filter.ours(p)())
+    p = filters.problem(q=0.0, seed=seed)._replace(F=np.eye(4))
+    close(filters.filterpy(p)(), filters.ours(p)())
 
 
 def test_both_forms_and_every_batch_compute_the_same():
     for batch in ((), (3,), (100,)):
-        p = benchmark_filter.problem(*batch)
-        assert np.all((~np.isnan(p.z)).sum(axis=-1) == benchmark_filter.HEARD)
-        close(benchmark_filter.ours(p)(), benchmark_filter.ours(p, 'qr')())
+        p = filters.problem(*batch)
+        assert np.all((~np.isnan(p.z)).sum(axis=-1) == filters.HEARD)
+        close(filters.ours(p)(), filters.ours(p, 'qr')())
 
 
 @pytest.mark.parametrize('gradient', [False, True])
 def test_slsqp_finds_no_better_fusion(gradient):
     pytest.importorskip('scipy')
-    m, P = benchmark_fusion.estimates(sets=10)
-    theirs = benchmark_fusion.slsqp(m, P, gradient=gradient)()
-    for mine, other in zip(benchmark_fusion.ours(m, P)(), theirs, strict=True):
+    m, P = fusion.estimates(sets=10)
+    theirs = fusion.slsqp(m, P, gradient=gradient)()
+    for mine, other in zip(fusion.ours(m, P)(), theirs, strict=True):
         assert np.trace(mine.P) <= np.trace(other.P) * (1.0 + 1e-9)
         assert np.trace(mine.P) == pytest.approx(np.trace(other.P), rel=1e-5)
 
 
 def test_our_fusion_is_within_1e_9_of_the_optimum():
-    _, P = benchmark_fusion.estimates(seed=3, sets=100)
-    assert 0.0 <= benchmark_fusion.gap(P) < 1e-9
+    _, P = fusion.estimates(seed=3, sets=100)
+    assert 0.0 <= fusion.gap(P) < 1e-9
     P[:, 2] = P[:, 1]
-    assert benchmark_fusion.gap(P) < 1e-9
+    assert fusion.gap(P) < 1e-9
 
 
 def test_readers_find_the_same_ranges(tmp_path):
     pytest.importorskip('mcap_ros2')
     bag = tmp_path / 'bag'
-    recording = benchmark_bags.as_ranges(benchmark_bags.loop(0.1, 3.0))
+    recording = bags.as_ranges(bags.loop(0.1, 3.0))
     save(bag, recording)
-    theirs = benchmark_bags.read_by_mcap(bag)
+    theirs = bags.read_by_mcap(bag)
     assert len(theirs) == 30 * 12
-    assert benchmark_bags.ranges_of(read(bag)) == theirs == benchmark_bags.ranges_of(recording)
+    assert bags.ranges_of(read(bag)) == theirs == bags.ranges_of(recording)
 
 
 def test_what_is_evaluated_is_tracked(tmp_path):
-    save(tmp_path / 'bag', benchmark_bags.loop(1.0, 60.0))
-    summary = benchmark_bags.evaluated(tmp_path / 'bag')
+    save(tmp_path / 'bag', bags.loop(1.0, 60.0))
+    summary = bags.evaluated(tmp_path / 'bag')
     assert summary.epochs == 60
     assert set(summary.outputs) >= {'local_1', 'local_2', 'local_3', 'fused_1', 'mean', 'lci'}
     assert summary.outputs['fused_1'].rmse_m < 0.5
 
 
 def test_ci_of_the_benchmark_is_that_of_the_rule():
-    m, P = benchmark_fusion.estimates(sets=2)
-    for one, fused in enumerate(benchmark_fusion.ours(m, P)()):
+    m, P = fusion.estimates(sets=2)
+    for one, fused in enumerate(fusion.ours(m, P)()):
         np.testing.assert_array_equal(fused.m, ci.optimal(m[one], P[one]).m)
 
 
@@ -129,7 +124,7 @@ ROWS = (
 
 
 def test_table_shows_every_figure():
-    lines = benchmark.format_table(ROWS).splitlines()
+    lines = table.format_table(ROWS).splitlines()
     assert lines[0].split() == ['work', 'ours', 'peer', 'ratio', 'goal']
     assert lines[1].split() == ['predict', '56.8', 'us', 'filterpy', '214', 'us', '3.77', 'x', '>=', '3.2', 'x', 'ok']
     assert lines[2].split() == ['predict', '[1]', '56.8', 'us', 'Stone', 'Soup', '-', 'us', '>=', '16', 'x']
@@ -140,7 +135,7 @@ def test_table_shows_every_figure():
 
 
 def test_json_holds_every_row():
-    content = json.loads(benchmark.to_json(ROWS))
+    content = json.loads(table.to_json(ROWS))
     assert content['machine']['cores'] >= 1
     assert content['packages']['numpy'] == np.__version__
     assert [row['work'] for row in content['rows']] == [row.work for row in ROWS]
@@ -153,22 +148,22 @@ def test_json_holds_every_row():
 @pytest.mark.parametrize('group', ['filter', 'fusion', 'bags'])
 def test_a_group_tells_a_figure_for_every_work(group):
     pytest.importorskip('scipy')
-    rows = list(benchmark.benchmark([group], TINY))
+    rows = list(table.benchmark([group], TINY))
     assert {row.group for row in rows} == {group}
     for row in rows:
         assert row.ours is not None
         assert math.isfinite(row.ours)
         assert row.theirs is not None or row.note or not row.peer
-    assert benchmark.format_table(rows)
-    assert len(json.loads(benchmark.to_json(rows))['rows']) == len(rows)
+    assert table.format_table(rows)
+    assert len(json.loads(table.to_json(rows))['rows']) == len(rows)
 
 
 def test_a_peer_that_is_not_installed_is_said_and_not_fatal(monkeypatch):
     def missing(problem):
         raise ModuleNotFoundError("No module named 'filterpy'", name='filterpy')
 
-    monkeypatch.setitem(benchmark_filter.PEERS, 'filterpy', missing)
-    rows = [row for row in benchmark_filter.rows(TINY) if row.peer == 'filterpy']
+    monkeypatch.setitem(filters.PEERS, 'filterpy', missing)
+    rows = [row for row in filters.rows(TINY) if row.peer == 'filterpy']
     assert len(rows) == 2
     for row in rows:
         assert row.ours is not None
@@ -178,22 +173,22 @@ def test_a_peer_that_is_not_installed_is_said_and_not_fatal(monkeypatch):
 
 def test_a_graph_that_cannot_start_is_said_and_not_fatal(monkeypatch):
     monkeypatch.setenv('AMENT_PREFIX_PATH', '')
-    (row,) = benchmark_graph.rows(TINY)
+    (row,) = graph.rows(TINY)
     assert row.ours is None
     assert 'not installed' in row.note
-    monkeypatch.setattr(benchmark_nodes, '_latency', lambda sizes: ())
-    (row,) = benchmark_nodes.rows(TINY)
+    monkeypatch.setattr(nodes, '_latency', lambda sizes: ())
+    (row,) = nodes.rows(TINY)
     assert 'not installed' in row.note
 
 
 def test_command_prints_the_table_and_writes_the_file(monkeypatch, tmp_path, capsys):
-    monkeypatch.setattr(benchmark, 'GROUPS', {'fusion': lambda sizes: ROWS})
+    monkeypatch.setattr(table, 'GROUPS', {'fusion': lambda sizes: ROWS})
     with pytest.raises(SystemExit) as end:
         main(['bench', '--only', 'fusion', '--json', str(tmp_path / 'b.json')])
     assert end.value.code == 0
-    assert capsys.readouterr().out == benchmark.format_table(ROWS) + '\n'
-    assert (tmp_path / 'b.json').read_text() == benchmark.to_json(ROWS)
+    assert capsys.readouterr().out == table.format_table(ROWS) + '\n'
+    assert (tmp_path / 'b.json').read_text() == table.to_json(ROWS)
 
 
 def test_command_knows_every_group():
-    assert tuple(benchmark.GROUPS) == bench.GROUPS
+    assert tuple(table.GROUPS) == bench.GROUPS

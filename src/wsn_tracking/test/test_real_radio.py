@@ -74,7 +74,8 @@ def test_a_calibration_from_the_first_part_is_scored_on_the_rest(sets):
     result = tables.plaza2(sets)
     assert result['scored_from_s'] == 100.0
     assert result['calibrated']['epochs'] == 40
-    assert result['calibrated']['rmse_m'] < 0.5 < 1.0 < result['uncalibrated']['rmse_m']
+    assert result['calibrated']['rmse_m'] < 0.5
+    assert result['uncalibrated']['rmse_m'] > 1.0
     assert result['calibrated']['nees'] < 4.0 < result['uncalibrated']['nees']
 
 
@@ -184,7 +185,8 @@ def test_the_robot_in_the_flat_reaches_its_goal(real):
 
 
 @pytest.mark.parametrize(
-    ('name', 'configuration', 'goal'), [('lias', 'lias', 0.12), ('plaza2', 'plaza', 0.9), ('labyrinth', 'labyrinth', 0.15)]
+    ('name', 'configuration', 'goal'),
+    [('lias', 'lias', 0.12), ('plaza2', 'plaza', 0.9), ('labyrinth', 'labyrinth', 0.15)],
 )
 def test_calibrated_ranges_reach_their_goals(real, name, configuration, goal):
     bags = real.bags(name)

@@ -6,15 +6,10 @@ without any process. Nothing here knows ROS beyond names.
 
 from __future__ import annotations
 
-from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from wsn_tracking.bags.epochs import with_epoch_ends
-from wsn_tracking.bags.playback import TOPICS
-from wsn_tracking.bags.read import read
-from wsn_tracking.bags.types import truth_target
 from wsn_tracking.configuration import (
     Configuration,
     EstimatorNodeConfig,
@@ -24,49 +19,41 @@ from wsn_tracking.configuration import (
     load_configuration,
 )
 from wsn_tracking.errors import TrackingError
+from wsn_tracking.graph_parts import (
+    LOSS_TIMEOUT,
+    Process,
+    Source,
+    Tracked,
+    complete,
+    not_a_number,
+    open_bag,
+    source_of,
+)
+from wsn_tracking.graphs_consensus import ConsensusPlan, consensus_graph, is_consensus, plan_consensus
 from wsn_tracking.parameters import build
 from wsn_tracking.sensing.recording import Recording
 from wsn_tracking.simulation.record import record as record_scenario
 from wsn_tracking.simulation.scenarios import scenario
 
+__all__ = [
+    'ConsensusPlan',
+    'Plan',
+    'Process',
+    'Source',
+    'open_bag',
+    'plan_of',
+    'plan_random_q',
+    'random_q_graph',
+    'replay',
+    'serial',
+    'simulation',
+    'source_of',
+]
+
 DEFAULT = 'random_q'  # configuration
 BRIDGE = 'serial_bridge'
 NODES = (BRIDGE, 'sensing', 'sensing_node', 'estimator', 'evaluator', 'bag_player', 'bag_recorder', 'world', 'marker')
-LOSS_TIMEOUT = 20.0  # [s] steady time; a feed that waits loses nothing, so this only tells a broken one
 FUSION_TIMEOUT = 2.0  # [s] a peer that has died; never reached by one that lives
-
-
-class Process(NamedTuple):
-    """One process of a graph; topics are relative names."""
-
-    executable: str
-    name: str
-    parameters: Mapping[str, Any]
-    takes: tuple[str, ...] = ()
-    gives: tuple[str, ...] = ()
-
-
-class Source(NamedTuple):
-    """What a graph must know of its feed."""
-
-    title: str
-    entry_level: str
-    ids: tuple[int, ...]
-    targets: tuple[int, ...]  # in the order of their first message
-    metadata: Mapping[str, str]
-    topics: tuple[str, ...]  # what the feed publishes beside the anchors
-
-    @property
-    def area(self) -> tuple[float, ...]:
-        """x_min, y_min, x_max, y_max [m]; empty where the feed knows none."""
-        return tuple(float(edge) for edge in self.metadata.get('area', '').split())
-
-    def of_target(self, target_id: int) -> Source:
-        """The feed of one target alone; -1: all of it."""
-        if target_id < 0:
-            return self
-        topics = (topic for topic in self.topics if truth_target(topic) in {None, target_id})
-        return self._replace(targets=(target_id,), topics=tuple(topics))
 
 
 class Plan(NamedTuple):
@@ -85,25 +72,6 @@ class Plan(NamedTuple):
         """Names of the estimates, locals first."""
         ids = [values['id'] for values in self.estimators]
         return (*(f'local_{i}' for i in ids), *(f'fused_{i}' for i in ids))
-
-
-def open_bag(bag: str, namespace: str | None = None) -> tuple[Source, Recording]:
-    """A bag with an EpochEnd for every epoch, and what a graph must know of it."""
-    recording = with_epoch_ends(read(bag, namespace))
-    return source_of(Path(bag).resolve().name, recording), recording
-
-
-def source_of(title: str, recording: Recording) -> Source:
-    """What a graph must know of a recording."""
-    topics = {'request', 'epoch_end', *(TOPICS[kind] for kind in {type(m) for m in recording.messages})}
-    return Source(
-        title,
-        recording.entry_level,
-        tuple(recording.anchors.ids.tolist()),
-        tuple(dict.fromkeys(m.target_id for m in recording.messages)),
-        recording.metadata,
-        (*sorted(topics), *(f'truth/target_{target}' for target in sorted(recording.truth))),
-    )
 
 
 def plan_random_q(
@@ -162,8 +130,22 @@ def _from_metadata(source: Source) -> dict[str, Any]:
         if 'period' in source.metadata:
             values['fusion_timeout'] = 0.2 * float(source.metadata['period'])
     except ValueError as error:
-        raise TrackingError(f'{source.title}: its metadata {dict(source.metadata)} holds no number: {error}') from error
+        raise not_a_number(source, error) from error
     return values
+
+
+def plan_of(
+    source: Source,
+    recording: Recording,
+    trackers: str = '',
+    configuration: str = '',
+    settings: Values | None = None,
+    target_id: int = -1,
+) -> Plan | ConsensusPlan:
+    """The plan of the system in `trackers`: random_q or consensus; by default the one that the feed is of."""
+    if is_consensus(source, trackers, configuration):
+        return plan_consensus(source, recording.anchors, configuration, settings, target_id)
+    return plan_random_q(source, configuration, settings, target_id)
 
 
 # ---- the graph over it
@@ -173,6 +155,7 @@ def replay(
     bag: str,
     *,
     rate: float = 1.0,
+    trackers: str = '',
     configuration: str = '',
     settings: Values | None = None,
     target_id: int = -1,
@@ -183,9 +166,9 @@ def replay(
     markers: bool = False,
     progress: bool = False,
 ) -> tuple[Process, ...]:
-    """A bag through the live graph of system A; rate 0 is as fast as it goes."""
-    source, _ = open_bag(bag, namespace)
-    plan = plan_random_q(source, configuration, settings, target_id)
+    """A bag through the live graph of a system; rate 0 is as fast as it goes."""
+    source, recording = open_bag(bag, namespace)
+    plan = plan_of(source, recording, trackers, configuration, settings, target_id)
     source = source.of_target(plan.target_id)
     feed = Process(
         'bag_player_node',
@@ -198,7 +181,7 @@ def replay(
             'target_id': plan.target_id,
         },
     )
-    return random_q_graph(
+    return _graph(
         source,
         plan,
         feed,
@@ -217,6 +200,7 @@ def simulation(
     *,
     rate: float = 1.0,
     start_stamp: float = 0.0,
+    trackers: str = '',
     configuration: str = '',
     settings: Values | None = None,
     evaluator: Values | None = None,
@@ -224,11 +208,12 @@ def simulation(
     one_process_each: bool = False,
     markers: bool = False,
 ) -> tuple[Process, ...]:
-    """A simulated world and the live graph of system A; the world sends as slowly as the graph needs."""
-    source = source_of(name, record_scenario(scenario(name, seed=seed), seed))
-    plan = plan_random_q(source, configuration, settings)
+    """A simulated world and the live graph of a system; the world sends as slowly as the graph needs."""
+    recording = record_scenario(scenario(name, seed=seed), seed)
+    source = source_of(name, recording)
+    plan = plan_of(source, recording, trackers, configuration, settings)
     feed = Process('world_node', 'world', {'scenario': name, 'seed': seed, 'rate': rate, 'start_stamp': start_stamp})
-    return random_q_graph(
+    return _graph(
         source,
         plan,
         feed,
@@ -239,6 +224,12 @@ def simulation(
         one_process_each=one_process_each,
         markers=markers,
     )
+
+
+def _graph(source: Source, plan: Plan | ConsensusPlan, feed: Process, **options: Any) -> tuple[Process, ...]:
+    if isinstance(plan, ConsensusPlan):
+        return consensus_graph(source, plan, feed, **options)
+    return random_q_graph(source, plan, feed, **options)
 
 
 def serial(
@@ -300,22 +291,9 @@ def random_q_graph(
     processes = [_sensing(node, plan, timing) for node in _split(source, plan, one_process_each)]
     numbers = [values['id'] for values in plan.estimators]
     processes += [_estimator(values, numbers, timing) for values in plan.estimators]
-    if evaluator is not None:
-        processes.append(_evaluator(source, plan, [p.name for p in processes], evaluator))
-    if record is not None:
-        processes.append(_recorder(source, plan, record))
-    window = tuple(f'estimate/fused_{number}' for number in numbers)
-    parameters = {
-        **plan.estimators[0],
-        **feed.parameters,
-        'expected_nodes': [process.name for process in processes],
-        'window_topics': list(window),
-    }
-    feed = feed._replace(parameters=parameters, takes=window, gives=('anchors', *source.topics))
-    # who only looks on is neither waited for nor told whom to expect
-    drawn = {**plan.estimators[0], 'outputs': list(plan.outputs)}
-    onlookers = [Process('marker_node', 'markers', drawn)] if markers else []
-    return _matched([*processes, *onlookers, feed])
+    names = [f'fused_{number}' for number in numbers]
+    tracked = Tracked(plan.target_id, plan.outputs, tuple(names), plan.estimators[0], ('trigger_report',))
+    return complete(source, tracked, processes, feed, evaluator=evaluator, record=record, markers=markers)
 
 
 def _split(source: Source, plan: Plan, one_process_each: bool) -> list[tuple[int, ...]]:
@@ -352,65 +330,4 @@ def _estimator(values: Values, numbers: Sequence[int], timing: Values) -> Proces
             *(f'estimate/local_{other}' for other in numbers if other != number),
         ),
         gives=tuple(f'{kind}/{output}_{number}' for kind in ('estimate', 'odometry') for output in ('local', 'fused')),
-    )
-
-
-def _evaluator(source: Source, plan: Plan, reporting: Sequence[str], values: Values) -> Process:
-    return Process(
-        'evaluator_node',
-        'evaluator',
-        {
-            **plan.estimators[0],
-            'outputs': list(plan.outputs),
-            'title': source.title,
-            'target_id': plan.target_id,
-            'expected_reports': list(reporting),
-            **values,
-        },
-        takes=(
-            'epoch_end',
-            'anchors',
-            'trigger_report',
-            f'truth/target_{plan.target_id}',
-            *(f'estimate/{output}' for output in plan.outputs),
-        ),
-    )
-
-
-def _recorder(source: Source, plan: Plan, values: Values) -> Process:
-    derived = [f'{kind}/{output}' for kind in ('estimate', 'odometry') for output in plan.outputs]
-    extra = tuple(topic for topic in values.get('extra_topics', derived if values.get('derived') else ()) if topic)
-    metadata = [f'{key}={value}' for key, value in source.metadata.items()]
-    return Process(
-        'bag_recorder_node',
-        'bag_recorder',
-        {
-            **plan.estimators[0],
-            'entry_level': source.entry_level,
-            'targets': sorted({*source.targets, *(truth_target(topic) for topic in source.topics)} - {None}),
-            'metadata': metadata or [''],
-            'extra_topics': list(extra) or [''],
-            **values,
-        },
-        takes=('anchors', *source.topics, *extra),
-    )
-
-
-def _matched(processes: Sequence[Process]) -> tuple[Process, ...]:
-    """Tell every process how many partners each of its topics has, so that it knows when it is ready."""
-    takers = Counter(topic for process in processes for topic in process.takes)
-    givers = Counter(topic for process in processes for topic in process.gives)
-
-    def counts(topics: Sequence[str], partners: Mapping[str, int]) -> list[str]:
-        return [f'{topic}={partners[topic]}' for topic in topics if partners[topic]] or ['']
-
-    return tuple(
-        process._replace(
-            parameters={
-                **process.parameters,
-                'expected_subscribers': counts(process.gives, takers),
-                'expected_publishers': counts(process.takes, givers),
-            }
-        )
-        for process in processes
     )

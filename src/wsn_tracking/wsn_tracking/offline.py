@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from wsn_tracking import graphs
-from wsn_tracking.configuration import EstimatorNodeConfig, SensingNodeConfig, Values
+from wsn_tracking.configuration import ConsensusNodeConfig, EstimatorNodeConfig, SensingNodeConfig, Values
 from wsn_tracking.evaluation.run import Progress, Run, Sensing, run_random_q, silent
+from wsn_tracking.evaluation.run_consensus import run_consensus
 from wsn_tracking.parameters import build
 from wsn_tracking.sensing.recording import Recording, of_target
 
@@ -16,9 +17,13 @@ def offline(
     settings: Values | None = None,
     target_id: int = -1,
     progress: Progress = silent,
+    trackers: str = '',
 ) -> Run:
     """What the graph of this plan publishes, computed in this process."""
-    plan = graphs.plan_random_q(source, configuration, settings, target_id)
+    plan = graphs.plan_of(source, recording, trackers, configuration, settings, target_id)
+    if isinstance(plan, graphs.ConsensusPlan):
+        node = build(ConsensusNodeConfig, plan.values)
+        return run_consensus(of_target(recording, plan.target_id), node, plan.target_id, progress=progress)
     estimators = [build(EstimatorNodeConfig, values) for values in plan.estimators]
     sensing = None
     if plan.sensing is not None:

@@ -43,7 +43,8 @@ def add_bag(command: argparse.ArgumentParser, *, several: bool = False) -> None:
 def add_tracking(command: argparse.ArgumentParser, *, scores: bool = True) -> None:
     """Options of the commands that track, and of those among them that score."""
     named = ', '.join(configuration_names())
-    command.add_argument('--trackers', choices=['random_q', 'all'], default='random_q', help='systems that track')
+    systems = ['random_q', 'consensus', 'all']
+    command.add_argument('--trackers', choices=systems, default='', help='systems that track; default: as the bag asks')
     command.add_argument('--config', default='', help=f'parameter file or name ({named}); default: what the bag names')
     command.add_argument('--channel', metavar='FILE', default='', help='radios as `calibrate` found them')
     command.add_argument('--set', action='append', default=[], metavar='NAME=VALUE', help='set one parameter')

@@ -7,7 +7,7 @@ import sys
 
 from wsn_tracking.commands.base import Commands, add_command
 
-GROUPS = ('filter', 'fusion', 'bags', 'graph', 'nodes')
+GROUPS = ('filter', 'fusion', 'consensus', 'bags', 'graph', 'nodes')
 
 
 def add(commands: Commands) -> None:
@@ -26,7 +26,7 @@ def add(commands: Commands) -> None:
 
 
 def _do(options: argparse.Namespace) -> int:
-    from wsn_tracking.evaluation.benchmark import benchmark, format_table, to_json
+    from wsn_tracking.benchmarks.table import benchmark, format_table, to_json
     from wsn_tracking.files import write_whole
 
     rows = []

@@ -49,7 +49,15 @@ def _evaluated(bag: str, options: argparse.Namespace) -> Summary:
     from wsn_tracking.offline import offline
 
     source, recording = graphs.open_bag(bag, options.namespace)
-    run = offline(source, recording, options.config, settings(options), options.target, progress(source.title))
+    run = offline(
+        source,
+        recording,
+        options.config,
+        settings(options),
+        options.target,
+        progress(source.title),
+        options.trackers,
+    )
     summary = summarise(source.title, recording, run, options.skip)
     if not summary.outputs:
         print(f'{bag}: no truth/target_<id> of what was tracked, so nothing can be scored', file=sys.stderr)

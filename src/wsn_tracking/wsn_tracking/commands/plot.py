@@ -31,7 +31,15 @@ def _do(options: argparse.Namespace) -> int:
     from wsn_tracking.offline import offline
 
     source, recording = graphs.open_bag(options.bag, options.namespace)
-    run = offline(source, recording, options.config, settings(options), options.target, progress(source.title))
+    run = offline(
+        source,
+        recording,
+        options.config,
+        settings(options),
+        options.target,
+        progress(source.title),
+        options.trackers,
+    )
     written = draw(Path(options.output), source, recording, run, options.skip)
     for path in written:
         print(path)

@@ -27,7 +27,7 @@ def add(commands: Commands) -> None:
     command.add_argument('--rate', type=rate, default=1.0, help='multiple of real time, or max (default: 1)')
     command.add_argument('--record', metavar='BAG', help='record what a replay needs into a new bag')
     command.add_argument('--derived', action='store_true', help='with --record: estimates and their odometry as well')
-    command.add_argument('--one-process-each', action='store_true', help='a process for every sensing node')
+    command.add_argument('--one-process-each', action='store_true', help='a process for every node that senses')
     command.add_argument('--markers', action='store_true', help='publish markers for RViz and Foxglove')
 
 
@@ -50,6 +50,7 @@ def _do(options: argparse.Namespace) -> int:
     processes = graphs.replay(
         options.bag,
         rate=options.rate,
+        trackers=options.trackers,
         configuration=options.config,
         settings=settings(options),
         target_id=options.target,

@@ -62,7 +62,7 @@ def _do(options: argparse.Namespace) -> int:
 
     config = build(SimulatorConfig, _values(options))
     epochs = air_epochs(recording_of(options.scenario, options.bag, options.seed, options.target))
-    simulator = Simulator(config, epochs)
+    simulator = Simulator(config, epochs, time.monotonic())
     port = PtyPort(config.link)
     loop = PtyLoop(simulator, port)
     port.plug()

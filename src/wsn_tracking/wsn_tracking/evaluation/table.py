@@ -8,10 +8,11 @@ import textwrap
 from collections.abc import Mapping, Sequence
 from typing import TextIO
 
-from wsn_tracking.evaluation.score import Score
+from wsn_tracking.evaluation.score import Score, pool
 from wsn_tracking.evaluation.summary import Summary, Traffic, pool_summaries
 
 WIDTH = 100
+MANY, FEW = 12, 3  # more outputs of one kind than MANY are pooled into one row, with the first FEW below it
 NAME_WIDTH = (6, 40)  # least and most columns of an output's name
 COLUMNS = ('RMSE', 'median', 'p95', 'EI', 'ESI x', 'ESI y', 'NEES', '95 % of NEES', '', 'epochs')
 BOLD, DIM, GREEN, RED, YELLOW, PLAIN = (f'\x1b[{code}m' for code in (1, 2, 32, 31, 33, 0))
@@ -27,17 +28,35 @@ def format_table(summary: Summary, *, colour: bool = False, footnote: bool = Tru
     """The table of one bag: a row an output, then what became of the measurements; no newline at the end."""
     target = '' if summary.target_id is None else f'  target {summary.target_id}'
     lines = [_paint(_fit(f'{summary.title}{target}', WIDTH), BOLD, colour)]
-    lines += _score_lines(summary.outputs, colour)
+    outputs = _legible(summary.outputs)
+    lines += _score_lines(outputs, colour)
     lines.append(f'epochs     {summary.epochs}, errors scored from {summary.skip_s:g} s after the start')
     lines.append(_sent_line(summary.traffic))
     dropped = ', '.join(f'{_words(reason)} {n}' for reason, n in sorted(summary.input.items()) if n)
     lines += _wrapped('dropped    ', dropped or 'nothing')
-    missing = _missing(summary.outputs)
+    missing = _missing(outputs)
     if missing:
         lines += _wrapped('not scored ', missing)
     if footnote:
         lines += [_paint(line, DIM, colour) for line in textwrap.wrap(FOOTNOTE, WIDTH)]
     return '\n'.join(lines)
+
+
+def _legible(outputs: Mapping[str, Score]) -> Mapping[str, Score]:
+    """The rows of the table: nodes of a large network are pooled, since nobody reads a row for each.
+
+    Nodes that agree err alike, so the pooled NEES has no more independent epochs than one of them.
+    """
+    kinds: dict[str, list[str]] = {}
+    for name in outputs:
+        kinds.setdefault(name.rpartition('_')[0] or name, []).append(name)
+    rows: dict[str, Score] = {}
+    for kind, names in kinds.items():
+        if len(names) > MANY:
+            every = [outputs[name] for name in names]
+            rows[f'{kind} (all {len(names)})'] = pool(every)._replace(nees_interval=every[0].nees_interval)
+        rows.update((name, outputs[name]) for name in (names[:FEW] if len(names) > MANY else names))
+    return rows
 
 
 def format_tables(summaries: Sequence[Summary], *, colour: bool = False) -> str:

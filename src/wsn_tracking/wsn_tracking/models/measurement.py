@@ -36,7 +36,7 @@ def distance_function(anchors: Anchors, height: float = 0.0) -> Function:
         squared += np.multiply(dy, dy, out=dy)
         if not planar:
             squared += dz_squared
-        return np.maximum(np.sqrt(squared, out=squared), least, out=squared)
+        return np.asarray(np.maximum(np.sqrt(squared, out=squared), least, out=squared))
 
     return d
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from array import array
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,8 @@ from wsn_tracking_msgs import msg
 
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.models.anchors import Anchors, Floats, check, make_anchors
-from wsn_tracking.sensing.values import EpochEnd, Range, Request, Rssi, TriggerReport
+from wsn_tracking.sensing.values import EpochEnd, Range, RangeBearing, Request, Rssi, TriggerReport
+from wsn_tracking.trackers.consensus_share import Share
 from wsn_tracking.trackers.estimate import Estimate, check_usable
 
 FRAME = 'map'
@@ -79,6 +81,27 @@ def range_message(r: Range) -> msg.RangeMeasurement:
     return msg.RangeMeasurement(header=header(r.stamp_ns), **{**_fields(r), 'modality': int(r.modality)})
 
 
+def range_bearing_value(m: msg.RangeBearing) -> RangeBearing:
+    """The value of a RangeBearing."""
+    a, b, c, d = m.covariance.tolist()
+    return RangeBearing(
+        stamp_ns(m.header.stamp),
+        m.node_id,
+        m.target_id,
+        m.seq,
+        m.request_seq,
+        m.range,
+        m.bearing,
+        (a, b, c, d),
+        m.arrived,
+    )
+
+
+def range_bearing_message(r: RangeBearing) -> msg.RangeBearing:
+    """The message of a RangeBearing."""
+    return msg.RangeBearing(header=header(r.stamp_ns), **_fields(r))
+
+
 def epoch_end_value(m: msg.EpochEnd) -> EpochEnd:
     """The value of an EpochEnd."""
     if len(m.node_ids) != len(m.seqs):
@@ -120,6 +143,35 @@ def report_value(m: msg.TriggerReport) -> TriggerReport:
 def report_message(r: TriggerReport) -> msg.TriggerReport:
     """The message of a TriggerReport."""
     return msg.TriggerReport(header=header(r.stamp_ns), **_fields(r))
+
+
+def share_value(m: msg.ConsensusShare) -> Share:
+    """The value of a ConsensusShare; its numbers are checked by whoever takes it."""
+    return Share(
+        stamp_ns(m.header.stamp),
+        m.target_id,
+        m.request_seq,
+        m.round,
+        m.node_id,
+        m.scheme,
+        m.degree,
+        bytes(m.live),
+        tuple(m.information_vector),
+        tuple(m.information),
+        tuple(m.item_ids),
+        tuple(m.items),
+    )
+
+
+def share_message(s: Share) -> msg.ConsensusShare:
+    """The message of a Share; arrays go in as such, since lists would be checked number by number."""
+    m = msg.ConsensusShare(header=header(s.stamp_ns))
+    m.target_id, m.request_seq, m.round = s.target_id, s.request_seq, s.round
+    m.node_id, m.scheme, m.degree = s.node_id, s.scheme, s.degree
+    m.live = array('B', s.live)
+    m.information_vector, m.information = array('d', s.information_vector), array('d', s.information)
+    m.item_ids, m.items = array('H', s.item_ids), array('d', s.items)
+    return m
 
 
 def anchors_value(m: msg.Anchors) -> Anchors:

@@ -38,6 +38,13 @@ def peers(absent: Collection[int]) -> Health:
     return Health(OK, '')
 
 
+def neighbours(silent: Collection[int], epochs: int) -> Health:
+    """A neighbour is not counted after `epochs` without a share."""
+    if silent:
+        return Health(WARN, f'neighbours {sorted(silent)} have been silent for {epochs} epochs')
+    return Health(OK, '')
+
+
 def outputs(given_up: Collection[str]) -> Health:
     """An output is given up after `output_timeout` of silence while epochs wait for it."""
     if given_up:

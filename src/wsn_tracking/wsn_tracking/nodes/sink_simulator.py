@@ -52,7 +52,7 @@ class SinkSimulator(TrackingNode[SinkSimulatorConfig]):
         self._speed = config.rate or AT_ONCE
         self._ended_at: float | None = None
         self._steady_to_stamp = time.time_ns() - time.monotonic_ns()
-        self._simulator = Simulator(config, self._epochs)
+        self._simulator = Simulator(config, self._epochs, time.monotonic())
         self._stop = threading.Event()
         self._failed: Exception | None = None
         port = PtyPort(config.link)

@@ -43,7 +43,13 @@ class Inbox:
         self._ahead: list[Share] = []
 
     def open(self, epoch: Epoch) -> None:
-        """An epoch begins."""
+        """An epoch begins; whoever was not heard since the last one began has been silent for one more.
+
+        A share that came too late for its round still tells that its node is alive: a node that comes back is late in
+        the eyes of those that do not wait for it.
+        """
+        if self._epoch is not None:
+            self._silent = {i: 0 if i in self._heard else n + 1 for i, n in self._silent.items()}
         self.active = tuple(i for i in self.neighbours if self._silent[i] < self._silent_epochs)
         self._epoch, self._round = epoch, 0
         self._shares, self._answered, self._heard = {}, set(), set()
@@ -101,11 +107,6 @@ class Inbox:
         at, self._round = self._round, self._round + 1
         self.counters['missing_share'] += sum((at, i) not in self._answered for i in self.active)
         return [self._shares[at, i] for i in self.active if (at, i) in self._shares]
-
-    def close(self) -> None:
-        """The epoch ends: whoever was not heard has been silent for one more."""
-        for i in self.neighbours:
-            self._silent[i] = 0 if i in self._heard else self._silent[i] + 1
 
     def _draw_faults(self, epoch: int) -> None:
         """What the simulated links will do in an epoch."""

@@ -131,7 +131,6 @@ class ConsensusNode:
         self.disagreement = self._moved(self._scheme.finish(local.prior, rounds.before, before, after))
         self.arrival_probability = float(local.mu)
         self._mu, self._live = kept(local.mu), float(len(live))
-        self.inbox.close()
         self._now = None
         return Estimate(
             epoch.stamp_ns,

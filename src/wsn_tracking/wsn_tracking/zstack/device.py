@@ -36,9 +36,10 @@ class Device:
         up: bool = False,
         seed: int = 0,
         first_tick: int = 0,
+        now: float = 0.0,
     ) -> None:
         """`network`: the one that it remembers; `up`: it is started already, as after a restart of the host."""
-        self.chip = Chip(flavour, ieee, seed, first_tick)
+        self.chip = Chip(flavour, ieee, seed, first_tick, now)
         self.reader = FirmwareReader()
         self._tables: Mapping[int, Mapping[int, Handler]] = {
             number: table.handlers for number, table in TABLES.items() if _has(flavour, number)
@@ -69,6 +70,10 @@ class Device:
         if request.kind != Kind.SREQ:
             return []
         error = UNKNOWN_SUBSYSTEM if table is None else UNKNOWN_COMMAND if handler is None else WRONG_LENGTH
+        return self.refuse(request, error)
+
+    def refuse(self, request: Frame, error: int = UNKNOWN_COMMAND) -> list[Frame]:
+        """What the sink says to a request that it does not understand."""
         self.chip.counters['rpc_errors'] += 1
         return [encode(RpcError(error, request.header >> 8, request.header & 0xFF))]
 

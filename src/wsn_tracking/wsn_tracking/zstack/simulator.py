@@ -52,12 +52,13 @@ Action = bytes | Plug
 class Simulator:
     """The sink and everything behind it."""
 
-    def __init__(self, config: SimulatorConfig, epochs: Sequence[AirEpoch]) -> None:
+    def __init__(self, config: SimulatorConfig, epochs: Sequence[AirEpoch], now: float = 0.0) -> None:
+        """The sink is plugged in at `now`."""
         check_carries(config.sink_protocol, config.traffic.payload, epochs)
         self._config = config
         self._epochs = epochs
         self.faults = parse_faults(config.faults, config.fault_time, config.seed)
-        self.device = self._device()
+        self.device = self._device(now)
         self.traffic = Traffic(config.traffic, config.radio, SCALES[config.lqi_scale], config.seed)
         self.told: deque[Told] = deque(maxlen=MAX_TOLD)
         self.counters: Counter[str] = Counter()
@@ -66,9 +67,9 @@ class Simulator:
         self._agenda: Agenda[Callable[[], None]] = Agenda()
         self._wire = Wire(self.faults, config.baud, self._agenda.at, self._put)
         self._actions: list[Action] = []
-        self._now = self._muted_until = 0.0
-        self._plugged = False
-        self._plug_in()
+        self._now = self._muted_until = now
+        self._plugged = True
+        self._appear()
 
     def begin(self, now: float) -> None:
         """The world begins."""
@@ -87,7 +88,10 @@ class Simulator:
             return
         for request in self.device.reader.feed(data):
             self.counters['requests'] += 1
-            self._reply(request, self.device.answer(request, now))
+            if any(fault.refuses(request) for fault in self.faults):
+                self._say(self.device.refuse(request))
+            else:
+                self._reply(request, self.device.answer(request, now))
         self._listen()
 
     def poll(self, now: float) -> list[Action]:
@@ -113,12 +117,18 @@ class Simulator:
 
     # ---- within
 
-    def _device(self) -> Device:
+    def _device(self, now: float) -> Device:
         config, tick = self._config, 0
         for fault in self.faults:
             tick = fault.first_tick(tick)
-        network = DEFAULT_NETWORK if config.formed else None
-        return Device(FLAVOURS[config.flavour], network=network, up=config.up, seed=config.seed, first_tick=tick)
+        return Device(
+            FLAVOURS[config.flavour],
+            network=DEFAULT_NETWORK if config.formed else None,
+            up=config.up,
+            seed=config.seed,
+            first_tick=tick,
+            now=now,
+        )
 
     @property
     def _speaks(self) -> bool:
@@ -189,10 +199,12 @@ class Simulator:
             self._agenda.at(end, self._plug_in)
 
     def _plug_in(self) -> None:
-        self._actions.append(Plug.IN)
-        if self._now:
-            self.device.power_cycle(self._now)
+        self.device.power_cycle(self._now)
         self._plugged = True
+        self._appear()
+
+    def _appear(self) -> None:
+        self._actions.append(Plug.IN)
         self._put(b''.join(fault.at_plug() for fault in self.faults))
 
     # ---- what the sink says

@@ -104,6 +104,7 @@ class Node:
     active: bool = True
     y_min: int = -128
     heartbeat_s: float = math.inf  # the next
+    sent_s: float = -math.inf  # its last message: none leaves before it
 
     def clock(self, time_s: float) -> int:
         """Its clock [ms]."""
@@ -145,16 +146,17 @@ class Traffic:
     def messages(self, epoch: AirEpoch, now: float) -> list[Message]:
         """What the nodes say of a request at `now`, in the order in which it reaches the sink."""
         self.join(self.speakers(epoch), now)
+        said = self.heartbeats(now)
         kind = self._kind(epoch.readings)
         if kind == PayloadType.WORN:
-            said = self._worn(epoch, now)
+            said += self._worn(epoch, now)
         else:
             by_node: dict[int, list[Reading]] = {}
             for reading in epoch.readings:
                 if self.hears(reading):
                     by_node.setdefault(reading.node_id, []).append(reading)
-            said = [self._report(node, epoch, readings, kind, now) for node, readings in by_node.items()]
-        return sorted([*said, *self.heartbeats(now)], key=lambda message: message.time_s)
+            said += [self._report(node, epoch, readings, kind, now) for node, readings in by_node.items()]
+        return sorted(said, key=lambda message: message.time_s)
 
     def hears(self, reading: Reading) -> bool:
         """Whether a node reports what it measured: those at rest do not, nor what is below the service radius."""
@@ -208,7 +210,7 @@ class Traffic:
     def _report(
         self, node_id: int, epoch: AirEpoch, readings: Sequence[Reading], kind: PayloadType, now: float
     ) -> Message:
-        delay = self._delay(node_id, epoch)
+        delay = self._delay(self.nodes[node_id], epoch, now)
         age, beacon = round(delay * 1e3), epoch.request_seq % BEACONS
         make = range_record if kind == PayloadType.RANGE else rssi_record
         records = tuple(make(reading, epoch.robot_id, age, beacon) for reading in readings[:MAX_IN_FRAME])
@@ -216,16 +218,17 @@ class Traffic:
 
     def _worn(self, epoch: AirEpoch, now: float) -> list[Message]:
         node = self.nodes[epoch.robot_id]
-        delay = self._delay(node.node_id, epoch)
+        delay = self._delay(node, epoch, now)
         beacon = epoch.request_seq % BEACONS
         records = [rssi_record(r, r.node_id, round(delay * 1e3), beacon) for r in epoch.readings if node.active]
         frames = [tuple(records[k : k + MAX_IN_FRAME]) for k in range(0, len(records), MAX_IN_FRAME)]
         return [self._message(node, PayloadType.WORN, frame, now, delay) for frame in frames]
 
-    def _delay(self, node_id: int, epoch: AirEpoch) -> float:
-        """Rounded to the ms that its age can tell."""
-        draw = random.Random(f'{self._seed} epoch {epoch.robot_id} {epoch.request_seq} of {node_id}')
-        return math.floor(draw.uniform(0.0, self._config.delay) * 1e3) / 1e3
+    def _delay(self, node: Node, epoch: AirEpoch, now: float) -> float:
+        """Measurement to sending, in whole ms, as ages are."""
+        draw = random.Random(f'{self._seed} epoch {epoch.robot_id} {epoch.request_seq} of {node.node_id}')
+        busy = math.ceil((node.sent_s - now) * 1e3) if node.sent_s > now else 0
+        return max(math.floor(draw.uniform(0.0, self._config.delay) * 1e3), busy) / 1e3
 
     def _message(
         self,
@@ -235,7 +238,7 @@ class Traffic:
         now: float,
         delay: float,
     ) -> Message:
-        config = self._config
+        config, node.sent_s = self._config, now + delay
         flags = Flag.EVENT_TRIGGERED * (config.event_triggered and bool(records))
         flags |= Flag.CLOCK_SYNCHRONISED * config.synchronised
         payload = Payload(

@@ -68,6 +68,10 @@ class Fault:
         """What was held back of the messages, when there are no more to come."""
         return []
 
+    def refuses(self, request: Frame) -> bool:
+        """Whether the sink does not know this request."""
+        return False
+
     def reply(self, request: Frame, replies: Sequence[Frame]) -> list[tuple[float, Frame]]:
         """What the sink says to a request, and after how long [s]."""
         return [(0.0, reply) for reply in replies]

@@ -32,8 +32,9 @@ class Wraps(Fault):
         for node_id in nodes.keys() - self._known:
             self._known.add(node_id)
             self.strikes += 1
-            nodes[node_id].seq = (SEQ_MODULUS - int(self.value)) % SEQ_MODULUS
-            nodes[node_id].booted_s = now + self.value - TIME_MODULUS * 1e-3
+            node = nodes[node_id]
+            node.seq = (SEQ_MODULUS - int(self.value)) % SEQ_MODULUS
+            node.booted_s = now - (TIME_MODULUS * 1e-3 - self.value) / (1.0 + node.drift)
         return []
 
 

@@ -4,40 +4,28 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from wsn_tracking.zstack.commands import RpcError, encode
 from wsn_tracking.zstack.faults.base import Event, Fault, Happening
 from wsn_tracking.zstack.frames import Frame, Kind, encode_frame
 from wsn_tracking.zstack.payload import Payload, PayloadType, encode_payload
 
 EXT_NWK_INFO = 0x2550
-UNKNOWN_COMMAND = 2
 STALE_MESSAGE = 0x4481
-
-
-def refusal(request: Frame) -> Frame:
-    """The answer to a command that a firmware does not know."""
-    return encode(RpcError(UNKNOWN_COMMAND, request.header >> 8, request.header & 0xFF))
 
 
 class RpcErrors(Fault):
     """Requests that are refused."""
 
-    def reply(self, request: Frame, replies: Sequence[Frame]) -> list[tuple[float, Frame]]:
-        """The refusal in the place of the answer."""
-        if request.kind != Kind.SREQ or not self.hits():
-            return super().reply(request, replies)
-        return [(0.0, refusal(request))]
+    def refuses(self, request: Frame) -> bool:
+        """Some of those that want an answer."""
+        return request.kind == Kind.SREQ and self.hits()
 
 
 class NoNetworkInfo(Fault):
     """A firmware without ZDO_EXT_NWK_INFO."""
 
-    def reply(self, request: Frame, replies: Sequence[Frame]) -> list[tuple[float, Frame]]:
-        """A refusal of that request."""
-        if request.header != EXT_NWK_INFO:
-            return super().reply(request, replies)
-        self.strikes += 1
-        return [(0.0, refusal(request))]
+    def refuses(self, request: Frame) -> bool:
+        """That one."""
+        return request.header == EXT_NWK_INFO and self.hits()
 
 
 class MissingReply(Fault):

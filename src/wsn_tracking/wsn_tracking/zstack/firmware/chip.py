@@ -47,13 +47,13 @@ class Sent(NamedTuple):
 class Chip:
     """Everything that requests may look at or change; `now` [s] is set before anything happens."""
 
-    def __init__(self, flavour: Flavour, ieee: int, seed: int, first_tick: int = 0) -> None:
+    def __init__(self, flavour: Flavour, ieee: int, seed: int, first_tick: int = 0, now: float = 0.0) -> None:
         self.flavour = flavour
         self.memory = Memory(flavour, ieee)
         self.motes: dict[int, Mote] = {}  # by network address
         self.sent: deque[Sent] = deque(maxlen=MAX_SENT)
         self.counters: Counter[str] = Counter()
-        self.now = 0.0
+        self.now = now
         self.random = random.Random(seed)
         self._first_tick = first_tick
         self._agenda: Agenda[Later] = Agenda()

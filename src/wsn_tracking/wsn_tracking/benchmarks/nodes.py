@@ -8,8 +8,8 @@ import sys
 from collections.abc import Iterable
 
 from wsn_tracking import processes
+from wsn_tracking.benchmarks.graph import private
 from wsn_tracking.errors import TrackingError
-from wsn_tracking.evaluation.benchmark_graph import private
 from wsn_tracking.evaluation.benchmark_rows import Row, Sizes, at_most
 
 GROUP = 'nodes'

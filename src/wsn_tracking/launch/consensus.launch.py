@@ -1,0 +1,51 @@
+"""System B: nodes that agree with their neighbours, on a simulated field or on a bag.
+
+ros2 launch wsn_tracking consensus.launch.py seed:=1
+ros2 launch wsn_tracking consensus.launch.py bag:=bags/b_field rate:=max
+"""
+
+from launch.actions import DeclareLaunchArgument, OpaqueFunction
+from launch.substitutions import LaunchConfiguration
+
+from launch import LaunchDescription
+from wsn_tracking import graphs
+from wsn_tracking.launching import actions
+
+
+def _graph(context):
+    argument = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS}
+    common = {
+        'rate': 0.0 if argument['rate'] == 'max' else float(argument['rate']),
+        'trackers': 'consensus',
+        'configuration': argument['config'],
+        'one_process_each': argument['one_process_each'] == 'true',
+        'markers': argument['markers'] == 'true',
+    }
+    if argument['bag']:
+        processes = graphs.replay(argument['bag'], **common)
+    else:
+        processes = graphs.simulation(
+            argument['scenario'], int(argument['seed']), record=argument['record'], **common
+        )
+    return actions(processes, argument['namespace'])
+
+
+ARGUMENTS = {
+    'bag': ('', 'rosbag2 folder or .mcap file; empty: a simulated world'),
+    'scenario': ('b_field', 'experiment to simulate'),
+    'seed': ('0', 'of what the nodes read'),
+    'rate': ('1.0', 'multiple of real time, or max'),
+    'config': ('', 'parameter file or name of a configuration; empty: that of the feed'),
+    'record': ('', 'folder for a bag of what the world sends; empty: none'),
+    'one_process_each': ('false', 'a process for every node'),
+    'markers': ('false', 'publish markers for RViz and Foxglove'),
+    'namespace': ('', 'namespace of the whole graph'),
+}
+
+
+def generate_launch_description():
+    declared = [
+        DeclareLaunchArgument(name, default_value=value, description=words)
+        for name, (value, words) in ARGUMENTS.items()
+    ]
+    return LaunchDescription([*declared, OpaqueFunction(function=_graph)])

@@ -1,0 +1,216 @@
+"""What simulated motes say: measurements arrive as they were made, as far as the radio can tell them."""
+
+import dataclasses
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from sink_cases import QUIET, Host, epochs, expected
+from zstack_cases import properties
+
+from wsn_tracking.airwaves import air_epochs, recording_of
+from wsn_tracking.errors import TrackingError
+from wsn_tracking.sensing.recording import Recording
+from wsn_tracking.sensing.values import Modality, Range, Request
+from wsn_tracking.zstack import commands as c
+from wsn_tracking.zstack.clock import ClockConfig
+from wsn_tracking.zstack.intake import Intake
+from wsn_tracking.zstack.lqi import SCALES, reachable
+from wsn_tracking.zstack.payload import Flag, Payload, PayloadType, encode_payload
+from wsn_tracking.zstack.queues import Received
+from wsn_tracking.zstack.records import FeedbackRecord, RangeRecord, RssiRecord, SensingRecord
+from wsn_tracking.zstack.traffic import AirEpoch, Reading, rssi_record
+
+
+def taken(host):
+    """The reports as the host's intake judges them."""
+    intake = Intake(ClockConfig(), SCALES['cc2530'])
+    received = [Received(item, round(t * 1e9)) for item, t in zip(host.items, host.times, strict=True)]
+    return [t for t in map(intake.take, received) if t is not None], intake.counters
+
+
+@pytest.mark.parametrize('protocol', ['znp', 'mt_app', 'ascii'])
+def test_every_measurement_arrives_over_every_kind_of_sink(protocol):
+    world = epochs(20, nodes=12)
+    host = Host(world, sink_protocol=protocol).run()
+    if protocol == 'ascii':
+        heard = sorted((r.payload.node_id, r.payload.records[0].rssi_dbm) for r in host.reports)
+        assert heard == sorted((node, rssi) for node, _, rssi in expected(world))
+    else:
+        assert host.heard() == expected(world)
+    assert host.bad() == []
+
+
+def test_scenario_arrives_rounded_to_whole_db_and_in_its_time():
+    world = air_epochs(recording_of('a_loop', '', 3))
+    host = Host(world).run(limit=200.0)
+    assert host.heard() == sorted(
+        (r.node_id, e.request_seq % 256, math.floor(r.rssi_dbm + 0.5)) for e in world for r in e.readings
+    )
+    reports, counters = taken(host)
+    assert not any(counters.values()), counters
+    start = host.simulator.sent[0]
+    for each in reports:
+        (record,) = each.report.payload.records
+        measured = each.measured_ns(record.age_ms) * 1e-9
+        nearest = round(measured - start)
+        assert nearest % 256 == record.beacon_seq
+        assert measured - start - nearest == pytest.approx(0.0, abs=0.02)  # hops, ticks, and the host's step
+
+
+def test_epochs_come_at_the_rate_that_is_asked_for():
+    host = Host(epochs(11), rate=4.0).run()
+    assert host.simulator.sent == pytest.approx([host.simulator.sent[0] + 0.25 * k for k in range(11)])
+    at_once = Host(epochs(11), rate=0.0).run()
+    assert at_once.simulator.sent == [at_once.simulator.sent[0]] * 11
+    assert at_once.heard() == expected(epochs(11))
+
+
+def test_speed_of_the_line_paces_what_is_said():
+    slow = Host(epochs(3, nodes=12), rate=0.0, baud=38400).run()
+    line = [(t, a) for t, a in slow.actions if isinstance(a, bytes)][-36:]
+    lasted = line[-1][0] - line[0][0]
+    assert lasted >= sum(len(a) for _, a in line[:-1]) * 10 / 38400 - 1e-6
+    assert slow.heard() == expected(epochs(3, nodes=12))
+
+
+def test_reports_bear_what_the_radio_knows():
+    host = Host(epochs(5, nodes=12)).run()
+    for report in host.reports:
+        assert 1 <= report.hops <= 2
+        assert report.direct == (report.hops == 1)
+        assert report.lqi in reachable(SCALES['cc2530'])
+        assert report.payload.battery_mv == 3000
+        assert report.payload.flags == 0
+    assert len({report.src for report in host.reports}) == 12
+
+
+def test_numbers_of_a_node_are_consecutive_and_its_clock_goes_on():
+    host = Host(epochs(30), traffic=dataclasses.replace(QUIET, heartbeat=2.0)).run()
+    kinds = set()
+    for node in range(1, 5):
+        mine = [report.payload for report in host.reports if report.payload.node_id == node]
+        assert [payload.seq for payload in mine] == list(range(len(mine)))
+        clocks = [payload.t_ms for payload in mine]
+        assert clocks == sorted(clocks)
+        kinds |= {payload.type for payload in mine}
+    assert kinds == {PayloadType.RSSI, PayloadType.HEARTBEAT}
+
+
+def test_flags_of_motes_that_trigger_and_share_a_clock():
+    traffic = dataclasses.replace(QUIET, event_triggered=True, synchronised=True)
+    host = Host(epochs(3), traffic=traffic).run()
+    assert {r.payload.flags for r in host.reports} == {Flag.EVENT_TRIGGERED | Flag.CLOCK_SYNCHRONISED}
+
+
+def test_ranges_arrive_in_millimetres():
+    world = [AirEpoch(float(k), 2, k, (Reading(5, range_m=1.2344 + k, sigma=0.0121),)) for k in range(3)]
+    host = Host(world).run()
+    records = [report.payload.records[0] for report in host.reports]
+    assert [record.range_mm for record in records] == [1234, 2234, 3234]
+    assert records[0] == RangeRecord(2, records[0].age_ms, 1234, 12, 0)
+
+
+def test_range_that_no_record_holds_is_an_error():
+    with pytest.raises(TrackingError, match='range of 70'):
+        Host([AirEpoch(0.0, 1, 0, (Reading(5, range_m=70.0),))]).run()
+
+
+def test_worn_node_tells_of_its_references_in_several_messages():
+    traffic = dataclasses.replace(QUIET, payload='worn')
+    world = epochs(4, nodes=14, robot=77)
+    host = Host(world, traffic=traffic).run()
+    assert {r.payload.type for r in host.reports} == {PayloadType.WORN}
+    assert {r.payload.node_id for r in host.reports} == {77}
+    assert [len(r.payload.records) for r in host.reports] == [6, 6, 2] * 4
+    heard = sorted((record.robot_id, record.beacon_seq) for r in host.reports for record in r.payload.records)
+    assert heard == [(node, beacon) for node in range(1, 15) for beacon in range(4)]
+
+
+@pytest.mark.parametrize('payload', ['range', 'worn'])
+def test_lines_carry_signal_strengths_only(payload):
+    with pytest.raises(TrackingError, match='choose znp or mt_app'):
+        Host(sink_protocol='ascii', traffic=dataclasses.replace(QUIET, payload=payload))
+    with pytest.raises(TrackingError, match='choose znp or mt_app'):
+        Host([AirEpoch(0.0, 1, 0, (Reading(5, range_m=1.0),))], sink_protocol='ascii')
+
+
+@properties
+@given(st.floats(-300.0, 300.0), st.one_of(st.none(), st.floats(-1.0, 100.0)), st.integers(1, 1000))
+def test_any_reading_fits_its_record(rssi, sigma, n):
+    record = rssi_record(Reading(1, rssi_dbm=rssi, sigma=sigma, n_samples=n), 1, 0, 0)
+    encode_payload(Payload(PayloadType.RSSI, 1, 0, 0, (record,)))
+    if abs(rssi) < 127:
+        assert abs(record.rssi_dbm - rssi) <= 0.5
+
+
+def test_invalid_reading_says_so():
+    assert rssi_record(Reading(1, rssi_dbm=math.nan), 1, 7, 9) == RssiRecord(1, 7, None, 1, None, 9)
+
+
+# ---- down
+
+
+def down(kind, record, dst=0xFFFF):
+    data = encode_payload(Payload(kind, 0, 1, 0, (record,)))
+    return c.AfDataRequest(dst, 0xE8, 0xE8, 0x10, 5, 0, 30, data)
+
+
+def test_commands_of_the_host_are_obeyed_and_told():
+    host = Host(epochs(6))
+    host.attach()
+    host.simulator.begin(host.now)
+    host.until(host.now + 2.5)
+    rest, feedback = SensingRecord(2, 0, -128, 0.0, 0.0), FeedbackRecord(1, 1.0, 2.0, 0.1, 0.0)
+    host.say(
+        down(PayloadType.COMMAND, rest),
+        down(PayloadType.COMMAND, SensingRecord(3, 1, -42, 0.0, 0.0), dst=0x1003),
+        down(PayloadType.FEEDBACK, feedback, dst=0xF101),
+        down(PayloadType.FEEDBACK, feedback, dst=0x0BAD),
+    )
+    host.until(host.now + 10.0)
+    assert [(told.dst, told.record) for told in host.simulator.told] == [
+        (0xFFFF, rest),
+        (0x1003, SensingRecord(3, 1, -42, 0.0, 0.0)),
+        (0xF101, feedback),
+    ]
+    assert [confirm.status for confirm in host.of(c.AfDataConfirm)] == [0, 0, 0, 0xCD]
+    count = {node: sum(r.payload.node_id == node for r in host.reports) for node in range(1, 5)}
+    assert count == {1: 6, 2: 3, 3: 3, 4: 6}
+
+
+def test_what_the_nodes_do_not_understand_is_counted():
+    host = Host(epochs(1))
+    host.attach()
+    host.say(c.AfDataRequest(0xFFFF, 0xE8, 0xE8, 0x10, 5, 0, 30, b'nonsense'))
+    assert host.simulator.counters['not_understood'] == 1
+
+
+# ---- from recordings
+
+
+def recording(*messages, level='range'):
+    a_loop = recording_of('a_loop', '', 0)
+    return Recording(a_loop.anchors, level, tuple(messages), {}, {}, {})
+
+
+def test_ranges_of_a_recording_are_read():
+    world = air_epochs(
+        recording(
+            Request(10_000_000_000, 4, 0),
+            Range(10_000_000_000, 3, 4, 0, 0, Modality.UWB, 2.5, 0.04),
+            Request(10_500_000_000, 4, 1),
+        )
+    )
+    assert world == [AirEpoch(0.0, 4, 0, (Reading(3, range_m=2.5, sigma=0.2),)), AirEpoch(0.5, 4, 1, ())]
+
+
+def test_bearings_are_no_radio_messages():
+    with pytest.raises(TrackingError, match='rssi or range'):
+        air_epochs(recording(level='observation'))
+
+
+def test_one_target_of_several():
+    assert air_epochs(recording_of('a_loop', '', 0, target_id=9)) == []
+    assert len(air_epochs(recording_of('a_loop', '', 0, target_id=1))) == 120

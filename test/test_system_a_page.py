@@ -1,0 +1,125 @@
+"""docs/system_a.md quotes the figures that are committed beside it."""
+
+import json
+import re
+
+import pytest
+
+from live import ROOT
+
+PAGE = (ROOT / 'docs' / 'system_a.md').read_text('utf-8')
+A = json.loads((ROOT / 'docs' / 'results' / 'system_a.json').read_text())['studies']
+RADIO = json.loads((ROOT / 'docs' / 'results' / 'real_radio.json').read_text())['studies']
+CENTRAL = {
+    'danis_central': {
+        'gaussian_ckf': '| cubature filter',
+        'iterated': '| + iterated',
+        'student_t': '| + Student-t',
+        'drifting_offsets': '| + drifting',
+        'kappa_2': '| + sigma points',
+        'calibrated_path_loss': '| + path loss',
+        'radio_map': '| + radio map',
+        'tried_gate_3': '| tried on the configuration: gate',
+        'tried_without_area': '| tried on the configuration: not kept',
+    },
+    'kolakowski': {
+        'gaussian_ckf': '| cubature filter',
+        'iterated': '| + iterated',
+        'student_t': '| + Student-t',
+        'drifting_offsets': '| + drifting',
+        'calibrated_path_loss': '| + path loss',
+        'radio_map': '| + radio map',
+        'kappa_2': '| tried on the configuration: `update.kappa`',
+        'tried_gate_3': '| tried on the configuration: gate',
+        'tried_without_area': '| tried on the configuration: not kept',
+    },
+}
+
+
+def rows(title):
+    """Cells of every row of the table whose heading row begins so."""
+    lines = PAGE[PAGE.index(f'\n| {title}') + 1 :].split('\n\n')[0].split('\n')[2:]
+    return [[cell.strip() for cell in line.strip('|').split('|')] for line in lines]
+
+
+def numbers(*cells):
+    """The numbers in some cells."""
+    return [float(text) for cell in cells for text in re.findall(r'(?<![\w.])[-+]?\d+(?:\.\d+)?(?!\w)', cell)]
+
+
+def quoted(*pairs):
+    """That numbers are quoted to within one unit of their last digit, as they are printed."""
+    for text, value in pairs:
+        assert float(text) == pytest.approx(value, abs=0.51 * 10.0 ** -len(text.partition('.')[2])), (text, value)
+
+
+@pytest.mark.parametrize('name', CENTRAL)
+def test_the_ladders_of_signal_strengths_are_the_studys(name):
+    table = rows(f'`{name}`,')
+    assert len(table) == len(CENTRAL[name])
+    for (key, words), (what, rmse, best, nees) in zip(CENTRAL[name].items(), table, strict=True):
+        assert f'| {what}'.startswith(words)
+        found = RADIO[name][key]
+        quoted((rmse.removesuffix(' m'), found['rmse_m']), (nees, found['nees']))
+        if best:
+            quoted((best.removesuffix(' m'), found['best_of_densities']['rmse_m']))
+    assert RADIO['kolakowski']['as_configured']['rmse_m'] == RADIO['kolakowski']['drifting_offsets']['rmse_m']
+
+
+def test_three_estimators_are_quoted():
+    for key, (_, *cells) in zip(('feedback', 'no_feedback', 'radio_map'), rows('`danis_three`,'), strict=True):
+        found = RADIO['danis_three'][key]
+        values = [*found['local_rmse_m'], found['mean_of_the_locals_rmse_m'], found['fused']['rmse_m']]
+        assert numbers(*cells[:3]) == pytest.approx(values, abs=0.0051)
+        quoted((cells[3], found['fused']['nees']))
+
+
+def test_ranges_are_quoted():
+    for name, (_, _, *cells) in zip(('lias', 'plaza2', 'labyrinth'), rows('ranges,'), strict=True):
+        found = RADIO[name]
+        both = [found['uncalibrated'], found['calibrated']]
+        quoted(
+            *((cells[i].removesuffix(' m'), both[i]['rmse_m']) for i in (0, 1)),
+            *((cells[2 + i], both[i]['nees']) for i in (0, 1)),
+            (cells[4].removesuffix(' m'), found['range_std_m']),
+        )
+
+
+def test_fusion_rules_are_quoted():
+    for what, local, *changes in rows('q from'):
+        found = A['fusion_rules']['ckf_measured']['q_{:g}_to_{:g}'.format(*numbers(what))]
+        quoted((local.removesuffix(' cm'), found['local_ei_cm']['value']))
+        for rule, text in zip(('trace', 'mean', 'lci', 'optimal', 'ici'), changes, strict=True):
+            quoted((text, found['change_percent'][rule]['value']))
+
+
+def test_process_noises_are_quoted():
+    for r, (_, *cells) in zip(('measured', 'predicted'), rows('q | 2'), strict=True):
+        for q, text in zip((2, 4, 5, 6, 7, 8, 9, 10, 12), cells, strict=True):
+            if q != 7:
+                quoted((text, A['process_noise'][f'ckf_{r}']['ei_of_q_7'][f'q_{q}']['value']))
+
+
+def test_triggers_are_quoted():
+    name = ''
+    for where, kind, sent, document, iplf in rows('scenario | trigger | sent'):
+        name = where.strip('`') or name
+        found = A['data_rate'][name]['triggers'][kind.split('`')[1]]
+        quoted((sent, found['sent_of_event']['value']), (document, found['ei_cm_document']['value']))
+        quoted((iplf, found['ei_cm_iplf']['value']))
+    (line,) = re.findall(r'at the same data rate: (.*?)\. Near', PAGE, re.DOTALL)
+    for name, text in zip(('a_loop', 'a_circle', 'a_heading'), line.split(','), strict=True):
+        value, half = (part.strip() for part in text.split('±'))
+        found = A['data_rate'][name]['near_iplf_of_event_document']
+        low, high = found['interval_95']
+        quoted((value, found['value']), (half, 0.5 * (high - low)))
+
+
+def test_updates_and_shares_are_quoted():
+    found = A['update_forms']
+    for key, (_, ei, change, nees) in zip(found['ei_cm'], rows('`update`'), strict=True):
+        quoted((ei.removesuffix(' cm'), found['ei_cm'][key]['value']), (nees, found['position_nees'][key]['value']))
+        if change:
+            quoted((change.removesuffix(' %'), 100.0 * (found['ei_of_ckf_measured'][key]['value'] - 1.0)))
+    for alpha, text in zip(('0.2', '0.25', '0.27', '0.3', '0.5'), rows('`alpha`')[0][1:], strict=True):
+        quoted((text, A['trigger_rate']['sent_of_in_radius'][f'alpha_{alpha}']['value']))
