@@ -10,7 +10,7 @@ run:
 test:
 	./env ruff check
 	./env mypy
-	./env python -m pytest -q --cov
+	./env python -m pytest -q --cov -n 2 --dist loadfile
 
 build:
 	./env
