@@ -62,10 +62,11 @@ def test_graph_equals_evaluation(tmp_path, scheme):
             assert (seen.contributors, seen.measurements) == (computed.contributors, computed.measurements)
 
 
-def test_neighbours_of_a_killed_process_go_on_and_it_rejoins_within_3_epochs(tmp_path):
+@pytest.mark.parametrize('scheme', ['icf', 'flood'])
+def test_neighbours_of_a_killed_process_go_on_and_it_rejoins_within_3_epochs(tmp_path, scheme):
     """SIGKILL in mid-run, and started anew: the others never miss an epoch, and count its nodes again."""
     timing = {'lossless': False, 'loss_timeout': 0.25, 'round_timeout': 0.06, 'output_timeout': 1.0}  # of T = 0.5 s
-    settings = {'rounds': 5, **timing}
+    settings = {'scheme': scheme, 'rounds': 5, **timing}
     plan, graph = halves(bag_of(tmp_path, 60), settings=settings, rate=2.0)
     survivors, victims = plan.districts
     processes = {p.name: p for p in graph}

@@ -39,11 +39,12 @@ ROOMS = {
     'surveys': ('evaluation',),
     'real_radio': ('offline', 'surveys'),
     'bridging': ('sensing', 'zstack'),
+    'airwaves': ('graphs', 'zstack'),
     'live_study': ('offline', 'processes'),
     'benchmarks': ('offline', 'processes'),
     'documentation': ('configuration', 'bags'),
-    'nodes': ('evaluation', 'bridging', 'offline'),
-    'commands': ('evaluation', 'zstack', 'offline', 'processes', 'surveys', 'documentation', 'benchmarks'),
+    'nodes': ('evaluation', 'bridging', 'airwaves', 'offline'),
+    'commands': ('evaluation', 'airwaves', 'offline', 'processes', 'surveys', 'documentation', 'benchmarks'),
     'cli': ('commands',),
 }
 # Single modules of a room that others may enter all the same, and why.

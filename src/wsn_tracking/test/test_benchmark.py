@@ -16,7 +16,7 @@ from wsn_tracking.evaluation import benchmark_fusion as fusion
 from wsn_tracking.evaluation.benchmark_rows import Row, Sizes, at_least, at_most, cpu_seconds
 from wsn_tracking.fusion import covariance_intersection as ci
 
-TINY = Sizes(rounds=1, least=0.0, batches=(3,), messages=120, bag_s=2.0, long_s=20.0, graph_s=1.0, rates=(120.0,))
+TINY = Sizes(rounds=1, least=0.0, batches=(3,), messages=120, bag_s=2.0, long_s=20.0, graph_s=0.5)
 
 
 def close(one, other):

@@ -287,6 +287,38 @@ def test_message_to_the_profile_is_answered_as_the_message_that_it_is():
     assert told[1].data == bytes.fromhex('0000 00 0580 00 2A 0000 00 0000 01 E8')
 
 
+def test_small_print_of_the_descriptors():
+    sink = attached(device())
+    sink.chip.motes[MOTE.short] = MOTE
+    mote_ieee = MOTE.ieee.to_bytes(8, 'little').hex()
+    for k, (header, data, answer) in enumerate(
+        (
+            (0x2502, '3E14 3E14', '3e14 00 3e14 01408e'),
+            (0x2502, '0000 3E14', '0000 81 3e14'),
+            (0x2503, '0000 0000', '0000 00 0000 10c1'),
+            (0x2503, '0000 3E14', '0000 81 3e14'),
+            (0x2504, '0000 3E14 E8', '0000 81 3e14 00'),
+            (0x2505, '0000 3E14', '0000 81 3e14 00'),
+            (0x2506, '0000 0000 01BF 00 00', '0000 00 0000 01 e8'),
+            (0x2506, '0000 0000 0401 00 00', '0000 00 0000 00'),
+            (0x2500, mote_ieee + '00 00', '00' + mote_ieee + '3e14 0000'),
+            (0x2501, '3E14 00 00', '00' + mote_ieee + '3e14 0000'),
+            (0x2532, '0000 00', '0000 00 00 00 00'),
+            (0x2533, '0000 00', '0000 00 00 00 00'),
+            (0x2521, '0000 00', '0000 00'),
+        )
+    ):
+        assert data_of(sink, header, data, 2.0 + k) == b'\x00'
+        (told,) = sink.advance(2.5 + k)
+        assert told.header == header + 0x2080
+        assert told.data.hex().startswith(answer.replace(' ', '')), (header, told.data.hex())
+    for k, (header, data) in enumerate(
+        ((0x2501, '7777 00 00'), (0x2500, '00' * 10), (0x2504, '0000'), (0x2537, '0000'))
+    ):
+        sink.feed(encode_frame(frame(header, data)), 20.0 + k)
+        assert sink.advance(20.5 + k) == []
+
+
 def test_scan_and_joining_are_answered():
     sink = attached(device())
     assert data_of(sink, 0x2536, '02 0000 3C 01', 2.0) == b'\x00'
@@ -317,6 +349,36 @@ def test_message_to_a_mote_is_confirmed_and_kept():
         assert asked(sink, request, 2.0 + k) == [c.AfDataRequestRsp(0)]
         assert by_and_by(sink, 2.5 + k) == [c.AfDataConfirm(status, 0xE8, 7)]
     assert [(sent.dst, sent.data) for sent in sink.chip.sent] == [(MOTE.short, b'abc'), (0xFFFF, b'abc')]
+
+
+@pytest.mark.parametrize(
+    ('mode_and_address', 'status', 'dst'),
+    [
+        ('02 3E14000000000000', 0, 0x143E),
+        ('03' + MOTE.ieee.to_bytes(8, 'little').hex(), 0, 0x143E),
+        ('01 0100000000000000', 0, 0xFFFF),
+        ('0F FFFF000000000000', 0, 0xFFFF),
+        ('03 0000000000000000', 0xCD, None),
+    ],
+)
+def test_message_to_any_kind_of_address(mode_and_address, status, dst):
+    sink = attached(device())
+    sink.chip.motes[MOTE.short] = MOTE
+    rest = 'E8 0000 E8 1000 07 00 1E 0300 616263'
+    assert data_of(sink, 0x2402, mode_and_address + rest, 2.0) == b'\x00'
+    assert by_and_by(sink, 3.0) == [c.AfDataConfirm(status, 0xE8, 7)]
+    assert [(sent.dst, sent.data) for sent in sink.chip.sent] == ([(dst, b'abc')] if dst else [])
+    assert data_of(sink, 0x2402, '07' + mode_and_address[2:] + rest, 4.0) == b'\x02'
+
+
+def test_message_along_a_route():
+    sink = attached(device())
+    assert data_of(sink, 0x2403, 'FFFF E8 E8 1000 07 00 1E 01 3E14 03 616263', 2.0) == b'\x00'
+    assert by_and_by(sink, 3.0) == [c.AfDataConfirm(0, 0xE8, 7)]
+
+
+def test_endpoint_0_is_the_profiles_own():
+    assert asked(attached(device()), REGISTER._replace(endpoint=0), 2.0) == [c.AfRegisterRsp(2)]
 
 
 def test_message_is_refused_without_endpoint_or_network():

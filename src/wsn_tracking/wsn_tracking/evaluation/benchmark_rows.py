@@ -19,8 +19,7 @@ class Sizes(NamedTuple):
     messages: int = 100_000  # of the bag that is read
     bag_s: float = 60.0  # recording at 10 Hz that is evaluated
     long_s: float = 3600.0  # recording at 1 Hz that is evaluated
-    graph_s: float = 6.0  # for which the graph has to keep up
-    rates: tuple[float, ...] = (1200.0, 2400.0, 3600.0, 4800.0)  # [ranges/s] that it is fed with
+    graph_s: float = 6.0  # for which the graph is fed
     latencies: int = 500  # messages
     starts: int = 5  # of each node
 

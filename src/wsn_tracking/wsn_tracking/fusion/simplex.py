@@ -78,14 +78,15 @@ def _newton(here: Expansion, free: Mask) -> Floats:
     """Step of the free weights that keeps their sum: solve [[H, 1], [1', 0]] [s, l] = [-g, 0]."""
     J = free.shape[-1]
     scale = here.H.trace(axis1=-2, axis2=-1)[..., None] / J
-    A = np.zeros((*free.shape[:-1], J + 1, J + 1))
     # a whiff of the identity: estimates that are equal leave H singular, and any split of their weight is right
-    A[..., :J, :J] = np.where(free[..., :, None] & free[..., None, :], here.H / scale[..., None], 0.0)
-    A[..., :J, :J] += np.where(free, 1e-12, 1.0)[..., None] * identity(J)
+    H = here.H / scale[..., None] + 1e-12 * identity(J)
+    if not free.all():
+        H = np.where(free[..., :, None] & free[..., None, :], H, identity(J))
+    A = np.zeros((*free.shape[:-1], J + 1, J + 2))  # the last column is the right hand side
+    A[..., :J, :J] = H
     A[..., :J, J] = A[..., J, :J] = free
-    b = np.zeros((*free.shape[:-1], J + 1, 1))
-    b[..., :J, 0] = np.where(free, here.g / -scale, 0.0)
-    return np.where(free, np.linalg.solve(A, b)[..., :J, 0], 0.0)
+    A[..., :J, J + 1] = here.g * free / -scale
+    return np.asarray(np.linalg.solve(A[..., :-1], A[..., -1:])[..., :J, 0] * free)
 
 
 def _descend(Y: Floats, w: Floats, here: Expansion, step: Floats, last: Mask) -> tuple[Floats, Expansion, Mask]:
@@ -104,8 +105,8 @@ def _descend(Y: Floats, w: Floats, here: Expansion, step: Floats, last: Mask) ->
 
 def _limit(w: Floats, step: Floats) -> Floats:
     """How far, at most one step, the simplex reaches, (..., 1)."""
-    with np.errstate(divide='ignore', invalid='ignore'):
-        return np.asarray(np.minimum(np.where(step < 0.0, -w / step, 1.0).min(axis=-1, keepdims=True), 1.0))
+    back = np.where(step < 0.0, step, -1.0)
+    return np.asarray(np.where(step < 0.0, w / -back, 1.0).min(axis=-1, keepdims=True, initial=1.0))
 
 
 def _moved(w: Floats, step: Floats, length: Floats) -> Floats:

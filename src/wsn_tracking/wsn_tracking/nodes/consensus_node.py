@@ -26,7 +26,7 @@ INPUTS = {
     'range': (msg.RangeMeasurement, convert.range_value),
     'rssi': (msg.RssiMeasurement, convert.rssi_value),
 }
-TICK = 0.005  # [s] how often round timeouts are looked at
+TICKS = (0.002, 0.1)  # [s] least and most time between two looks at round timeouts; a third of one where possible
 
 
 class ConsensusProcess(TrackingNode[ConsensusNodeConfig]):
@@ -56,7 +56,7 @@ class ConsensusProcess(TrackingNode[ConsensusNodeConfig]):
         self.take(msg.LocationRequest, 'request', convert.request_value, self._assembly.request, qos.MEASUREMENTS)
         self.take(msg.EpochEnd, 'epoch_end', convert.epoch_end_value, self._end, qos.MEASUREMENTS)
         self.take_anchors()
-        self.create_timer(TICK, self._look_at_time)
+        self.create_timer(min(max(self.config.longest_round / 3.0, TICKS[0]), TICKS[1]), self._look_at_time)
 
     @staticmethod
     def _input(topic: str) -> tuple[Any, str, Any]:

@@ -92,9 +92,3 @@ class PtyPort:
             select.select([], [], [], seconds)
             return
         select.select([self], [self] if writable else [], [], seconds)
-
-    def discard_unread(self) -> None:
-        """Forget what was written and nobody has read: a wire keeps nothing."""
-        import termios
-
-        termios.tcflush(self._slave, termios.TCIFLUSH)

@@ -8,6 +8,7 @@ from typing import NamedTuple
 from wsn_tracking.zstack.commands import AfDataConfirm, AfRegister, encode
 from wsn_tracking.zstack.firmware.chip import BROADCAST, UP, Chip, Sent
 from wsn_tracking.zstack.firmware.memory import INVALID_PARAMETER, SUCCESS
+from wsn_tracking.zstack.firmware.nib import UNKNOWN_ADDRESS
 from wsn_tracking.zstack.firmware.table import Table, srsp
 from wsn_tracking.zstack.firmware.zdp import loop_back
 from wsn_tracking.zstack.frames import Frame
@@ -74,7 +75,7 @@ def send_ext(
     """AF_DATA_REQUEST_EXT: wider addresses."""
     dst = address & 0xFFFF
     if mode == IEEE:
-        dst = next((mote.short for mote in chip.motes.values() if mote.ieee == address), 0xFFFE)
+        dst = next((mote.short for mote in chip.motes.values() if mote.ieee == address), UNKNOWN_ADDRESS)
     if mode == GROUP:
         dst = 0xFFFF
     if len(data) < length or mode not in (GROUP, SHORT, IEEE, TO_ALL):
@@ -113,7 +114,7 @@ def _send(chip: Chip, header: int, request: Request) -> list[Frame]:
     if request.dst_endpoint == 0:  # a ZDO message that the host has made itself
         chip.later(CONFIRM_S, lambda: loop_back(chip, request.dst, request.cluster, request.data))
         return [srsp(header, SUCCESS)]
-    reached = request.dst >= BROADCAST or request.dst in chip.motes
+    reached = (request.dst >= BROADCAST and request.dst != UNKNOWN_ADDRESS) or request.dst in chip.motes
     status = SUCCESS if reached else NWK_NO_ROUTE
     if reached:
         chip.sent.append(Sent(chip.now, request.dst, request.dst_endpoint, request.cluster, request.data))

@@ -1,0 +1,418 @@
+"""A simulated sink on a real pseudo terminal: its port, the faults that need one, the node, and the command line."""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import dataclasses
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+
+import pytest
+from nav_msgs.msg import Odometry
+from sink_cases import QUIET, epochs, expected
+from wsn_tracking_msgs import msg
+
+import live
+from observer import observing
+from wsn_tracking.commands import sink_simulate
+from wsn_tracking.errors import TrackingError
+from wsn_tracking.nodes import convert, qos
+from wsn_tracking.processes import executable
+from wsn_tracking.zstack import commands as c
+from wsn_tracking.zstack.clock import ClockConfig
+from wsn_tracking.zstack.intake import Intake
+from wsn_tracking.zstack.link import LinkEvent
+from wsn_tracking.zstack.lqi import SCALES
+from wsn_tracking.zstack.port import open_port
+from wsn_tracking.zstack.pty_loop import PtyLoop
+from wsn_tracking.zstack.pty_port import PtyPort
+from wsn_tracking.zstack.session import Session
+from wsn_tracking.zstack.settings import FormConfig, LinkConfig, TimeoutConfig
+from wsn_tracking.zstack.simulator import Simulator
+from wsn_tracking.zstack.simulator_settings import SimulatorConfig
+
+PATIENCE = 20.0  # [s] far beyond what anything here takes
+FAST = TimeoutConfig(
+    settle=0.01,
+    gap=0.05,
+    ping=0.2,
+    wake=0.05,
+    reply=0.3,
+    startup=1.0,
+    reset=1.0,
+    commissioning=2.0,
+    idle=0.05,
+    reopen_first=0.02,
+    reopen_last=0.05,
+)
+WORLD = epochs(12, nodes=6)
+RATE = 60.0
+
+
+def until(condition, what):
+    end = time.monotonic() + PATIENCE
+    while not condition():
+        assert time.monotonic() < end, what
+        time.sleep(0.005)
+
+
+@pytest.fixture
+def link(tmp_path):
+    return tmp_path / 'sink'
+
+
+@pytest.fixture
+def sink(link):
+    """Starts a sink in a thread; all are ended."""
+    with contextlib.ExitStack() as stack:
+
+        def start(*faults, world=WORLD, may_begin=lambda: True, **config):
+            values = {'rate': RATE, 'fault_time': 0.3, 'traffic': QUIET, **config}
+            settings = SimulatorConfig(link=str(link), faults=faults, **values)
+            ended = threading.Event()
+            port = PtyPort(settings.link)
+            loop = PtyLoop(Simulator(settings, world, time.monotonic()), port, may_begin, ended.is_set)
+            port.plug()
+            thread = threading.Thread(target=loop.run)
+            stack.callback(thread.join)
+            stack.callback(ended.set)
+            thread.start()
+            return loop
+
+        yield start
+
+
+@pytest.fixture
+def host(link):
+    """A host of this project; `ran()` gives what it has judged."""
+    with contextlib.ExitStack() as stack:
+
+        def start(**config):
+            session = Session(LinkConfig(port=str(link), **{'timeout': FAST, **config}))
+            stack.callback(session.close)
+            session.start()
+            return Heard(session)
+
+        yield start
+
+
+class Heard:
+    """What a session delivered."""
+
+    def __init__(self, session):
+        self.session = session
+        self.received = []
+        self.intake = Intake(ClockConfig(), SCALES['cc2530'])
+        self.new = []
+
+    def take(self):
+        received = self.session.inbox.take()
+        self.received += received
+        self.new += [t for t in map(self.intake.take, received) if t is not None and t.is_new]
+
+    def events(self, kind):
+        self.take()
+        return sum(isinstance(item, LinkEvent) and item.kind == kind for item, _ in self.received)
+
+    @property
+    def heard(self):
+        payloads = [taken.report.payload for taken in self.new]
+        return sorted((p.node_id, r.beacon_seq, r.rssi_dbm) for p in payloads for r in p.records)
+
+    def after(self, loop):
+        """Everything, when the sink has sent everything, and has answered a ping after that."""
+        until(lambda: loop.finished, 'the end of the world')
+        bytes_heard = loop.simulator.counters['bytes_heard']
+        until(lambda: loop.simulator.counters['bytes_heard'] >= bytes_heard + 10, 'two pings')
+        self.take()
+        return self
+
+
+# ---- the port
+
+
+def test_link_stays_while_the_device_changes(link):
+    port = PtyPort(link)
+    port.plug()
+    port.plug()
+    first = port.device
+    assert os.path.realpath(link) == first
+    port.unplug(reserve=True)
+    assert not link.is_symlink()
+    port.plug()
+    assert port.device != first
+    assert os.path.realpath(link) == port.device
+    port.unplug()
+    assert not link.is_symlink()
+
+
+def test_link_of_a_run_that_was_killed_is_replaced(link):
+    link.symlink_to('/dev/pts/no_such')
+    port = PtyPort(link)
+    port.plug()
+    assert os.path.realpath(link) == port.device
+    port.unplug()
+
+
+def test_link_that_another_sink_has_taken_over_is_left(link):
+    one, other = PtyPort(link), PtyPort(link)
+    one.plug()
+    other.plug()
+    one.unplug()
+    assert os.path.realpath(link) == other.device
+    other.unplug()
+
+
+def test_files_are_not_replaced(link):
+    link.write_text('precious')
+    with pytest.raises(TrackingError, match='no symbolic link'):
+        PtyPort(link).plug()
+    assert link.read_text() == 'precious'
+    with pytest.raises(TrackingError, match='cannot be linked'):
+        PtyPort(link.parent / 'no' / 'sink').plug()
+
+
+def test_bytes_pass_unchanged_both_ways(link):
+    port = PtyPort(link)
+    port.plug()
+    every = bytes(range(256))
+    with contextlib.closing(open_port(str(link), 115200, 1.0)) as near:
+        near.write(every)
+        port.wait(PATIENCE)
+        assert port.read() == every
+        assert port.write(every) == 256
+        read = b''
+        while len(read) < 256:
+            read += near.read()
+        assert read == every
+    assert port.read() == b''
+    port.unplug()
+
+
+def test_line_that_nobody_reads_takes_no_more_and_is_no_error(link):
+    port = PtyPort(link)
+    port.plug()
+    while port.write(bytes(1000)):
+        pass
+    port.unplug()
+
+
+# ---- sinks on it
+
+
+@pytest.mark.parametrize('flavour', ['home_1_2', 'zstack_3_0'])
+def test_host_attaches_and_gets_everything(sink, host, flavour):
+    heard = host()
+    loop = sink(flavour=flavour)
+    heard.after(loop)
+    assert heard.heard == expected(WORLD)
+    counters = heard.session.counters
+    assert (counters['attached'], counters['lost'], counters['rpc_errors']) == (1, 0, 0)
+    assert heard.session.status.sink.version.product == {'home_1_2': 0, 'zstack_3_0': 2}[flavour]
+
+
+@pytest.mark.parametrize('flavour', ['home_1_2', 'zstack_3_0'])
+def test_host_forms_a_network(sink, host, flavour):
+    loop = sink(flavour=flavour, formed=False)
+    confirm = f'{loop.simulator.device.chip.memory.ieee:016x}'
+    heard = host(form=FormConfig(confirm, 20, 0x1234))
+    heard.after(loop)
+    assert heard.heard == expected(WORLD)
+    network = heard.session.status.network
+    assert (network.channel, network.pan_id) == (20, 0x1234)
+
+
+def test_nothing_is_said_before_it_may_begin(sink, host):
+    allowed = threading.Event()
+    loop = sink(may_begin=allowed.is_set)
+    heard = host()
+    until(lambda: heard.events('up') and loop.simulator.counters['requests'] > 8, 'pings')
+    assert heard.new == []
+    assert loop.simulator.sent == []
+    allowed.set()
+    assert heard.after(loop).heard == expected(WORLD)
+
+
+@pytest.mark.parametrize(
+    'faults', [['byte_at_a_time'], ['batch=7', 'stale'], ['partial=0.1', 'garbage=0.5', 'boot_text']]
+)
+def test_line_faults_lose_nothing(sink, host, faults):
+    loop = sink(*faults)
+    assert host().after(loop).heard == expected(WORLD)
+    assert all(fault.strikes for fault in loop.simulator.faults)
+
+
+@pytest.mark.parametrize('fault', ['reset=10', 'unplug=10', 'mute=10'])
+def test_outages_end_and_the_rest_arrives(sink, host, fault):
+    heard = host(timeout=dataclasses.replace(FAST, ping=0.1))
+    loop = sink(fault, world=epochs(60, nodes=3))
+    heard.after(loop)
+    beacons = {beacon for _, beacon, _ in heard.heard}
+    outage = sorted(set(range(60)) - beacons)
+    assert beacons >= set(range(10))
+    assert max(outage, default=0) < 50
+    assert set(outage) <= set(range(10, 50))
+    counters = heard.session.counters
+    assert counters['resets' if fault == 'reset=10' else 'opened'] >= 1
+    if fault == 'unplug=10':
+        opened = [item.words for item, _ in heard.received if isinstance(item, LinkEvent) and item.kind == 'opened']
+        assert len(set(opened)) == 2
+
+
+@pytest.mark.parametrize('fault', ['missing_reply=0.4', 'late_reply=0.4', 'rpc_error=0.3'])
+def test_host_gets_there_in_spite_of_bad_answers(sink, host, fault):
+    heard = host(timeout=dataclasses.replace(FAST, reply=0.1, ping=0.1))
+    loop = sink(fault, seed=2, world=epochs(8, nodes=3))
+    heard.after(loop)
+    assert len({beacon for _, beacon, _ in heard.heard}) >= 4
+    assert loop.simulator.faults[0].strikes
+
+
+def test_second_host_is_kept_out_and_a_restarted_one_is_served(sink, host, link):
+    loop = sink(world=epochs(400))
+    first = host()
+    until(lambda: first.take() or len(first.new) > 10, 'reports')
+    with pytest.raises(TrackingError, match='in use'):
+        open_port(str(link), 115200, 1.0)
+    first.session.close()
+    second = host()
+    until(lambda: second.take() or len(second.new) > 10, 'reports again')
+    assert loop.simulator.device.chip.state == 9
+    assert second.session.status.up
+
+
+def test_host_can_speak_to_the_nodes(sink, host):
+    loop = sink(world=[])
+    heard = host()
+    until(lambda: heard.events('up'), 'the link')
+    until(lambda: loop.begun is not None, 'the beginning')
+    heard.session.ask(c.ZdoMgmtLqiReq(0, 0), c.ZdoMgmtLqiReqRsp)
+    until(lambda: heard.take() or any(isinstance(i, c.ZdoMgmtLqiRsp) for i, _ in heard.received), 'its neighbours')
+
+
+# ---- the node and the command
+
+
+def started(environment, link, *settings):
+    words = [str(executable('sink_simulator')), '--ros-args', '-p', f'link:={link}']
+    for setting in settings:
+        words += ['-p', setting]
+    return subprocess.Popen(words, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+
+
+def test_node_serves_the_bridge_and_tells_the_truth(link):
+    """sink_simulator and serial_bridge_node: every measurement arrives, between truths in the same time."""
+    with live.private_domain() as environment, observing(environment) as observer:
+        rssi = observer.collect(msg.RssiMeasurement, 'rssi', qos.MEASUREMENTS)
+        truth = observer.collect(Odometry, 'truth/target_1', qos.TRUTH)
+        anchors = observer.collect(msg.Anchors, 'anchors', qos.LATCHED_LAST)
+        expecting = 'expected_nodes:=[serial_bridge_node]'
+        outputs = 'expected_subscribers:=[truth/target_1=1]'
+        sink = started(environment, link, 'rate:=60.0', 'linger:=0.5', expecting, outputs)
+        words = [str(executable('serial_bridge_node')), '--ros-args', '-p', f'port:={link}', '-p', 'period:=0.016']
+        words += ['-p', 'epoch_timeout:=0.006', '-p', 'expected_subscribers:=[rssi=1]']
+        bridge = subprocess.Popen(words, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        try:
+            observer.until(lambda: len(rssi) >= 1440, PATIENCE, f'1440 measurements, {len(rssi)} so far')
+            output, _ = sink.communicate(timeout=PATIENCE)
+        finally:
+            sink.kill()
+            bridge.kill()
+            told, _ = bridge.communicate()
+        observer.until(lambda: len(truth) >= 121, PATIENCE, '121 truths')
+    assert sink.returncode == 0, output
+    assert '120 epochs sent' in output
+    assert len(anchors[0].ids) == 12
+    assert 'Traceback' not in told
+    stamps = [convert.stamp_ns(m.header.stamp) for m in truth]
+    measured = [convert.stamp_ns(m.header.stamp) for m in rssi]
+    assert stamps == sorted(stamps)
+    assert min(measured) >= stamps[0] - 50_000_000
+    assert max(measured) <= stamps[-1]
+    assert not link.is_symlink()
+
+
+def test_node_that_is_told_to_end_takes_its_link_away(link):
+    with live.private_domain() as environment:
+        process = started(environment, link)
+        try:
+            until(link.is_symlink, 'the link')
+            process.send_signal(signal.SIGTERM)
+            output, _ = process.communicate(timeout=PATIENCE)
+        finally:
+            process.kill()
+    assert process.returncode == 0, output
+    assert 'Traceback' not in output
+    assert not link.is_symlink()
+
+
+@pytest.mark.parametrize(
+    ('setting', 'words'),
+    [
+        ('faults:=[nonsense]', ['nonsense', 'garbage']),
+        ('link:=/no/such/folder/sink', ['/no/such/folder/sink']),
+        ('traffic.payload:=morse', ['traffic.payload', 'worn']),
+    ],
+)
+def test_bad_parameter_is_refused_in_one_line(link, setting, words):
+    with live.private_domain() as environment:
+        process = started(environment, link, setting)
+        output, _ = process.communicate(timeout=PATIENCE)
+    assert process.returncode == 2
+    (line,) = output.strip().splitlines()
+    assert line.startswith('error: ')
+    for word in words:
+        assert word in line
+
+
+RUN = """
+import argparse, sys
+from wsn_tracking.commands import sink_simulate
+parser = argparse.ArgumentParser()
+sink_simulate.add(parser.add_subparsers())
+options = parser.parse_args(sys.argv[1:])
+sys.exit(options.do(options))
+"""
+
+
+def test_command_needs_no_ros_and_ends_when_told(link, host):
+    words = [sys.executable, '-c', RUN, 'simulate', '--link', str(link), '--rate', '40', '--fault', 'garbage=0.5']
+    process = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    try:
+        heard = host()
+        lines = [process.stdout.readline().rstrip() for _ in range(3)]
+        process.send_signal(signal.SIGTERM)
+        output, _ = process.communicate(timeout=PATIENCE)
+    finally:
+        process.kill()
+    assert process.returncode == 0, output
+    until(lambda: heard.take() or len(heard.new) >= 1440, 'all measurements')
+    lines += output.splitlines()
+    assert lines[0].startswith(f'{link} -> /dev/pts/')
+    assert lines[1:3] == ['a host listens: the nodes speak', 'all was sent']
+    assert 'messages 144' in lines[3]
+    assert 'Garbage' in lines[3]
+    assert not link.is_symlink()
+
+
+def test_command_ends_by_itself_and_refuses_what_it_does_not_know(link, capsys, host):
+    parser = argparse.ArgumentParser()
+    sink_simulate.add(parser.add_subparsers())
+
+    def run(*words):
+        options = parser.parse_args(['simulate', '--link', str(link), *words])
+        return options.do(options)
+
+    heard = host()
+    assert run('--bag', str(live.A_LOOP), '--rate', 'max', '--linger', '0.01', '--set', 'traffic.heartbeat=0') == 0
+    assert 'messages 1440' in capsys.readouterr().out
+    assert heard.session.counters['opened'] == 1
+    for words in (['--set', 'traffic.colour=1'], ['--fault', 'nonsense'], ['--set', 'baud=-1']):
+        with pytest.raises(TrackingError, match='expected'):
+            run(*words)
+    assert not link.is_symlink()
