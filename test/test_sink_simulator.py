@@ -15,6 +15,7 @@ import time
 import pytest
 from nav_msgs.msg import Odometry
 from sink_cases import QUIET, epochs, expected
+from std_msgs.msg import String
 from wsn_tracking_msgs import msg
 
 import live
@@ -338,10 +339,12 @@ def test_node_serves_the_bridge_and_tells_the_truth(link):
 
 
 def test_node_that_is_told_to_end_takes_its_link_away(link):
-    with live.private_domain() as environment:
+    with live.private_domain() as environment, observing(environment) as observer:
+        ready = observer.collect(String, 'ready', qos.LATCHED)
         process = started(environment, link)
         try:
-            until(link.is_symlink, 'the link')
+            observer.until(lambda: bool(ready), PATIENCE, 'that it is ready')
+            assert link.is_symlink()
             process.send_signal(signal.SIGTERM)
             output, _ = process.communicate(timeout=PATIENCE)
         finally:

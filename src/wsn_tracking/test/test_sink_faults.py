@@ -1,6 +1,7 @@
 """Each fault of a simulated sink does what it says, to the host of this project, and nothing else."""
 
 import itertools
+from pathlib import Path
 
 import pytest
 from sink_cases import Host, epochs, expected
@@ -300,6 +301,14 @@ def test_a_fault_that_is_switched_off_changes_nothing(name):
     if name in {'stale', 'boot_text'}:
         switched.pop(1)
     assert switched == plain
+
+
+def test_page_lists_every_fault_with_its_default():
+    page = (Path(__file__).parents[3] / 'docs' / 'sink_simulator.md').read_text('utf-8')
+    listed = [line.split('|')[1:4] for line in page.splitlines() if line.startswith('| `')]
+    assert [tuple(cell.strip(' `') for cell in cells) for cells in listed] == [
+        (name, kind.value, f'{kind.default:g}') for name, kind in FAULTS.items()
+    ]
 
 
 @pytest.mark.parametrize('text', ['nonsense', 'lost=2', 'lost=x', 'lost=-0.1', 'reset=1.5', 'reset=nan', 'lost='])

@@ -8,6 +8,7 @@ import time
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
+from wsn_tracking.commands import sink_simulate
 from wsn_tracking.commands.base import Commands, add_command, seconds
 
 if TYPE_CHECKING:
@@ -20,27 +21,37 @@ def add(commands: Commands) -> None:
     command = add_command(
         commands,
         'sink',
-        _do,
-        'look at a sink: what it is, and what it says',
+        _look,
+        'look at a sink, or simulate one',
         'probe /dev/ttyACM0',
         'dump /dev/serial/by-id/usb-Texas_Instruments_CC2531-if00 --hex',
         'dump captured.bin',
+        'simulate --link my_sink',
     )
-    command.add_argument('what', choices=['probe', 'dump'], help='probe: firmware, network, LQI; dump: every frame')
-    command.add_argument('port', metavar='PORT', help='serial port, or a file of captured bytes')
-    command.add_argument('--hex', action='store_true', help='dump: the bytes as well')
-    command.add_argument('--protocol', choices=['znp', 'mt_app', 'ascii'], default='znp', help='what the sink speaks')
-    command.add_argument('--baud', type=int, default=115200, help='speed of a UART (default: 115200)')
-    command.add_argument('--rtscts', action='store_true', help='hardware flow control')
-    command.add_argument(
+    kinds = command.add_subparsers(dest='what', required=True, metavar='WHAT')
+    _add_look(kinds, 'probe', 'what is there: firmware, network, scale of LQI')
+    _add_look(kinds, 'dump', 'every frame, decoded').add_argument(
+        '--hex', action='store_true', help='the bytes as well'
+    )
+    sink_simulate.add(kinds)
+
+
+def _add_look(kinds: Commands, name: str, words: str) -> argparse.ArgumentParser:
+    """One way to look at a sink."""
+    look: argparse.ArgumentParser = kinds.add_parser(name, help=words, description=words[0].upper() + words[1:] + '.')
+    look.set_defaults(do=_look)
+    look.add_argument('port', metavar='PORT', help='serial port, or a file of captured bytes')
+    look.add_argument('--protocol', choices=['znp', 'mt_app', 'ascii'], default='znp', help='what the sink speaks')
+    look.add_argument('--baud', type=int, default=115200, help='speed of a UART (default: 115200)')
+    look.add_argument('--rtscts', action='store_true', help='hardware flow control')
+    look.add_argument(
         '--seconds', type=seconds, metavar='S', help='how long to listen (default: probe 2, dump until Ctrl-C)'
     )
-    command.add_argument(
-        '--set', action='append', default=[], metavar='NAME=VALUE', help='set any parameter of the link'
-    )
+    look.add_argument('--set', action='append', default=[], metavar='NAME=VALUE', help='set any parameter of the link')
+    return look
 
 
-def _do(options: argparse.Namespace) -> int:
+def _look(options: argparse.Namespace) -> int:
     from wsn_tracking.errors import TrackingError
     from wsn_tracking.parameters import build, specs
     from wsn_tracking.ros_yaml import parse

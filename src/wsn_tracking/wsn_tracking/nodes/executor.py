@@ -96,6 +96,8 @@ def _drain(subscription: Any) -> None:
 
 def make_executor(node: Node) -> SingleThreadedExecutor:
     """The draining executor, or the stock one where this rclpy has other private parts."""
+    if not node.context.ok():
+        raise ExternalShutdownException  # told to end before it began
     try:
         executor = DrainingExecutor(node)
         known = (executor._guard, executor._sigint_gc, executor._context)  # noqa: SLF001

@@ -58,11 +58,12 @@ class SinkSimulator(TrackingNode[SinkSimulatorConfig]):
         port = PtyPort(config.link)
         self._loop = PtyLoop(self._simulator, port, lambda: self._may_begin, self._stop.is_set)
         self._may_begin = False
-        port.plug()  # here, so that a link that cannot be made is refused at start
         self._thread = threading.Thread(target=self._run, daemon=True)
+        self.create_timer(TICK, self._tick)
+        # Last, for what follows cannot fail: a link that was made is taken away again by destroy_node alone.
+        port.plug()  # here, so that a link that cannot be made is refused at start
         self._thread.start()
         self.get_logger().info(f'the sink is at {config.link} ({config.flavour}), {len(self._epochs)} epochs behind it')
-        self.create_timer(TICK, self._tick)
 
     def destroy_node(self) -> None:
         """The port vanishes first."""
