@@ -161,8 +161,16 @@ def test_what_cannot_be_executed_is_an_error_of_ours(installed):
         run_graph([process('evaluator_node')], ['evaluator_node'])
 
 
+@pytest.fixture
+def ctrl_c():
+    """SIGINT as a program finds it; processes that run tests side by side ignore it."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
 @pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
-def test_a_signal_ends_all_of_it(installed, number):
+def test_a_signal_ends_all_of_it(installed, ctrl_c, number):
     """What a user, `timeout`, make or a closed terminal sends."""
     installed('estimator_node', STAY)
     noted = installed.folder / 'estimator_node.pid'
