@@ -4,16 +4,11 @@ ros2 launch wsn_tracking consensus.launch.py seed:=1
 ros2 launch wsn_tracking consensus.launch.py bag:=bags/b_field rate:=max
 """
 
-from launch.actions import DeclareLaunchArgument, OpaqueFunction
-from launch.substitutions import LaunchConfiguration
-
-from launch import LaunchDescription
 from wsn_tracking import graphs
-from wsn_tracking.launching import actions
+from wsn_tracking.launching import description
 
 
-def _graph(context):
-    argument = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS}
+def _graph(argument):
     common = {
         'rate': 0.0 if argument['rate'] == 'max' else float(argument['rate']),
         'trackers': 'consensus',
@@ -27,7 +22,7 @@ def _graph(context):
         processes = graphs.simulation(
             argument['scenario'], int(argument['seed']), record=argument['record'], **common
         )
-    return actions(processes, argument['namespace'])
+    return processes
 
 
 ARGUMENTS = {
@@ -44,8 +39,4 @@ ARGUMENTS = {
 
 
 def generate_launch_description():
-    declared = [
-        DeclareLaunchArgument(name, default_value=value, description=words)
-        for name, (value, words) in ARGUMENTS.items()
-    ]
-    return LaunchDescription([*declared, OpaqueFunction(function=_graph)])
+    return description(ARGUMENTS, _graph)

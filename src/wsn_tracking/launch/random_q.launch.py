@@ -3,17 +3,12 @@
 ros2 launch wsn_tracking random_q.launch.py scenario:=a_loop seed:=1 rate:=5.0
 """
 
-from launch.actions import DeclareLaunchArgument, OpaqueFunction
-from launch.substitutions import LaunchConfiguration
-
-from launch import LaunchDescription
 from wsn_tracking import graphs
-from wsn_tracking.launching import actions
+from wsn_tracking.launching import description
 
 
-def _graph(context):
-    argument = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS}
-    processes = graphs.simulation(
+def _graph(argument):
+    return graphs.simulation(
         argument['scenario'],
         int(argument['seed']),
         rate=0.0 if argument['rate'] == 'max' else float(argument['rate']),
@@ -22,7 +17,6 @@ def _graph(context):
         one_process_each=argument['one_process_each'] == 'true',
         markers=argument['markers'] == 'true',
     )
-    return actions(processes, argument['namespace'])
 
 
 ARGUMENTS = {
@@ -38,8 +32,4 @@ ARGUMENTS = {
 
 
 def generate_launch_description():
-    declared = [
-        DeclareLaunchArgument(name, default_value=value, description=words)
-        for name, (value, words) in ARGUMENTS.items()
-    ]
-    return LaunchDescription([*declared, OpaqueFunction(function=_graph)])
+    return description(ARGUMENTS, _graph)

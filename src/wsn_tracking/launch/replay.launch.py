@@ -3,24 +3,18 @@
 ros2 launch wsn_tracking replay.launch.py bag:=bags/a_loop rate:=max
 """
 
-from launch.actions import DeclareLaunchArgument, OpaqueFunction
-from launch.substitutions import LaunchConfiguration
-
-from launch import LaunchDescription
 from wsn_tracking import graphs
-from wsn_tracking.launching import actions
+from wsn_tracking.launching import description
 
 
-def _graph(context):
-    argument = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS}
-    processes = graphs.replay(
+def _graph(argument):
+    return graphs.replay(
         argument['bag'],
         rate=0.0 if argument['rate'] == 'max' else float(argument['rate']),
         configuration=argument['config'],
         one_process_each=argument['one_process_each'] == 'true',
         markers=argument['markers'] == 'true',
     )
-    return actions(processes, argument['namespace'])
 
 
 ARGUMENTS = {
@@ -34,8 +28,4 @@ ARGUMENTS = {
 
 
 def generate_launch_description():
-    declared = [
-        DeclareLaunchArgument(name, description=words, **({} if value is None else {'default_value': value}))
-        for name, (value, words) in ARGUMENTS.items()
-    ]
-    return LaunchDescription([*declared, OpaqueFunction(function=_graph)])
+    return description(ARGUMENTS, _graph)

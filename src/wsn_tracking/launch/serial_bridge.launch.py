@@ -3,23 +3,17 @@
 ros2 launch wsn_tracking serial_bridge.launch.py port:=/dev/serial/by-id/usb-Texas_Instruments_CC2531...
 """
 
-from launch.actions import DeclareLaunchArgument, OpaqueFunction
-from launch.substitutions import LaunchConfiguration
-
-from launch import LaunchDescription
 from wsn_tracking import graphs
-from wsn_tracking.launching import actions
+from wsn_tracking.launching import description
 
 
-def _graph(context):
-    argument = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS}
-    processes = graphs.serial(
+def _graph(argument):
+    return graphs.serial(
         argument['config'],
         settings={'port': argument['port']} if argument['port'] else {},
         record=argument['record'],
         markers=argument['markers'] == 'true',
     )
-    return actions(processes, argument['namespace'])
 
 
 ARGUMENTS = {
@@ -32,8 +26,4 @@ ARGUMENTS = {
 
 
 def generate_launch_description():
-    declared = [
-        DeclareLaunchArgument(name, default_value=value, description=words)
-        for name, (value, words) in ARGUMENTS.items()
-    ]
-    return LaunchDescription([*declared, OpaqueFunction(function=_graph)])
+    return description(ARGUMENTS, _graph)

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import json
-import os
 import shutil
 from pathlib import Path
 
 import numpy as np
 import pytest
+from import_cases import real_data
 
 from wsn_tracking.bags.epochs import with_epoch_ends
 from wsn_tracking.bags.importing.danis import calibrated
@@ -213,24 +213,15 @@ def test_existing_bags_are_not_overwritten(tmp_path):
         import_set('danis', tmp_path / 'src', tmp_path / 'out')
 
 
-def real_data() -> Path:
-    """The tracks themselves: beside the repository, or where WSN_DATA says."""
-    shared = Path(os.environ.get('WSN_DATA', Path(__file__).resolve().parents[4] / 'shared' / 'data'))
-    root = shared / 'danis_ble_tracks'
-    if not root.is_dir():
-        pytest.skip(f'{root} is not there; set WSN_DATA to the folder that holds danis_ble_tracks')
-    return root
-
-
 @pytest.fixture(scope='module')
 def real_bags(tmp_path_factory):
-    return import_set('danis', real_data(), tmp_path_factory.mktemp('danis'))
+    return import_set('danis', real_data('danis_ble_tracks'), tmp_path_factory.mktemp('danis'))
 
 
 def test_every_real_track_is_whole(real_bags):
     for bag in real_bags:
         back = read(bag)
-        lines = (real_data() / 'trk' / f'{bag.name[6:]}_all_sensors.mbd').read_text().count('\n')
+        lines = (real_data('danis_ble_tracks') / 'trk' / f'{bag.name[6:]}_all_sensors.mbd').read_text().count('\n')
         heard = [m for m in back.messages if isinstance(m, Rssi)]
         assert back.metadata['import_dropped'] == 'nothing'
         assert len(heard) == lines

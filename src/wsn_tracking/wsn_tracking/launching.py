@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from wsn_tracking.graphs import Process
@@ -32,6 +32,26 @@ def actions(processes: Sequence[Process], namespace: str = '', last: str = 'eval
         shutdown = [EmitEvent(event=Shutdown(reason=f'{last} has ended'))]
         ends = [RegisterEventHandler(OnProcessExit(target_action=nodes[last], on_exit=shutdown))]
     return [*ends, *nodes.values()]
+
+
+def description(
+    arguments: Mapping[str, tuple[str | None, str]], graph: Callable[[Mapping[str, str]], Sequence[Process]]
+) -> Any:
+    """A launch file's description: arguments by name (default, None: it must be given; words), and their graph."""
+    from launch.actions import DeclareLaunchArgument, OpaqueFunction
+    from launch.substitutions import LaunchConfiguration
+
+    from launch import LaunchDescription  # type: ignore[attr-defined] # mypy sees our folder of that name
+
+    def started(context: Any) -> list[Any]:
+        given = {name: LaunchConfiguration(name).perform(context) for name in arguments}
+        return actions(graph(given), given.get('namespace', ''))
+
+    declared = [
+        DeclareLaunchArgument(name, description=words, **({} if value is None else {'default_value': value}))
+        for name, (value, words) in arguments.items()
+    ]
+    return LaunchDescription([*declared, OpaqueFunction(function=started)])
 
 
 def _plain(value: Any) -> Any:

@@ -11,20 +11,13 @@ from wsn_tracking.nodes.feed import FeedNode
 from wsn_tracking.sensing.recording import Recording, of_target
 
 
-class BagPlayerNode(FeedNode[PlayerConfig]):
-    """Sends what a bag holds."""
-
-    def __init__(self) -> None:
-        super().__init__('bag_player_node', PlayerConfig)
-
-    def load(self) -> Recording:
-        """The bag, with an EpochEnd for every epoch."""
-        if not self.config.bag:
-            raise TrackingError('parameter `bag` is empty: expected a bag to play, e.g. -p bag:=bags/a_loop')
-        recording = with_epoch_ends(read(self.config.bag, self.config.namespace or None))
-        return of_target(recording, self.config.target_id)
+def load(config: PlayerConfig) -> Recording:
+    """The bag, with an EpochEnd for every epoch; TrackingError where there is none."""
+    if not config.bag:
+        raise TrackingError('parameter `bag` is empty: expected a bag to play, e.g. -p bag:=bags/a_loop')
+    return of_target(with_epoch_ends(read(config.bag, config.namespace or None)), config.target_id)
 
 
 def main() -> None:
     """Run the node."""
-    run(BagPlayerNode)
+    run(lambda: FeedNode('bag_player_node', PlayerConfig, load))

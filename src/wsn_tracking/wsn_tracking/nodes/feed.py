@@ -7,7 +7,7 @@ outputs named in `window_topics`, so that no queue grows; at rate 0 the window a
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, TypeVar
 
 from nav_msgs.msg import Odometry
@@ -39,11 +39,11 @@ TICK = 0.002  # [s]
 
 
 class FeedNode(TrackingNode[Config]):
-    """Sends a recording; exits with 0, or with 1 where an output fell silent."""
+    """Sends the recording that `load` gives; exits with 0, or with 1 where an output fell silent."""
 
-    def __init__(self, name: str, kind: type[Config]) -> None:
+    def __init__(self, name: str, kind: type[Config], load: Callable[[Config], Recording]) -> None:
         super().__init__(name, kind)
-        self._recording = self.load()
+        self._recording = load(self.config)
         self._playback: Playback = playback(self._recording)
         self._first_ns = self._playback.events[0].stamp_ns if self._playback.events else 0
         self._bytes = [to_cdr(event.value, event.stamp_ns) for event in self._playback.events]
@@ -63,10 +63,6 @@ class FeedNode(TrackingNode[Config]):
         )
         self._bar = Bar(len(self._playback.epochs)) if self.config.progress else None
         self.create_timer(TICK, self._advance)
-
-    def load(self) -> Recording:
-        """The recording to send; TrackingError where there is none."""
-        raise NotImplementedError
 
     def _topics(self) -> list[str]:
         return sorted({event.topic for event in self._playback.events} | {'request', 'epoch_end'})

@@ -12,18 +12,12 @@ from wsn_tracking.simulation.record import record
 from wsn_tracking.simulation.scenarios import scenario
 
 
-class WorldNode(FeedNode[WorldConfig]):
-    """Sends what a scenario's radios say."""
-
-    def __init__(self) -> None:
-        super().__init__('world_node', WorldConfig)
-
-    def load(self) -> Recording:
-        """The scenario, stamped from now on or from where `start_stamp` says."""
-        start = self.config.start_stamp or time.time()
-        return record(scenario(self.config.scenario, seed=self.config.seed), self.config.seed, round(start * 1e9))
+def load(config: WorldConfig) -> Recording:
+    """What the scenario's radios say, stamped from now on or from where `start_stamp` says."""
+    start = config.start_stamp or time.time()
+    return record(scenario(config.scenario, seed=config.seed), config.seed, round(start * 1e9))
 
 
 def main() -> None:
     """Run the node."""
-    run(WorldNode)
+    run(lambda: FeedNode('world_node', WorldConfig, load))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Mapping
 
 from wsn_tracking.zstack.commands import ZdoEndDeviceAnnceInd, encode
@@ -38,7 +39,7 @@ class Wraps(Fault):
         return []
 
 
-class AtEpoch(Fault):
+class AtEpoch(Fault, ABC):
     """Strikes some of the motes, at least one, in one epoch."""
 
     def nodes(self, nodes: Mapping[int, Node], epoch: int, now: float) -> list[Frame]:
@@ -49,9 +50,9 @@ class AtEpoch(Fault):
         self.strikes += len(struck)
         return [frame for node in struck for frame in self.strike(node, now)]
 
+    @abstractmethod
     def strike(self, node: Node, now: float) -> list[Frame]:
         """Change one."""
-        raise NotImplementedError
 
 
 class Reboot(AtEpoch):
