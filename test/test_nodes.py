@@ -12,7 +12,7 @@ from wsn_tracking_msgs.msg import TargetEstimate
 import live
 from observer import observing
 from wsn_tracking import graphs
-from wsn_tracking.configuration import EXECUTABLES
+from wsn_tracking.node_parameters.executables import EXECUTABLES
 from wsn_tracking.nodes import qos
 from wsn_tracking.processes import executable
 

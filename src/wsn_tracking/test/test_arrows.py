@@ -29,7 +29,8 @@ ROOMS = {
     'evaluation': ('trackers', 'bags', 'simulation'),
     'zstack': (),
     # what stands above the rooms, for nodes and commands
-    'configuration': ('trackers', 'zstack'),
+    'node_parameters': ('trackers', 'zstack'),
+    'configuration': ('node_parameters',),
     'graph_parts': ('configuration', 'bags'),
     'graphs_consensus': ('graph_parts',),
     'graphs': ('graphs_consensus', 'simulation'),
@@ -42,7 +43,7 @@ ROOMS = {
     'airwaves': ('graphs', 'zstack'),
     'live_study': ('offline', 'processes'),
     'benchmarks': ('offline', 'processes'),
-    'documentation': ('configuration', 'bags'),
+    'documentation': ('node_parameters', 'bags'),
     'nodes': ('evaluation', 'bridging', 'airwaves', 'offline'),
     'commands': ('evaluation', 'airwaves', 'offline', 'processes', 'surveys', 'documentation', 'benchmarks'),
     'cli': ('commands',),

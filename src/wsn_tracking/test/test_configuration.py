@@ -9,8 +9,6 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from wsn_tracking.configuration import (
-    EXECUTABLES,
-    NodeConfig,
     configuration_names,
     find_configuration,
     load_configuration,
@@ -18,6 +16,8 @@ from wsn_tracking.configuration import (
     share_folders,
 )
 from wsn_tracking.errors import TrackingError
+from wsn_tracking.node_parameters.common import NodeConfig
+from wsn_tracking.node_parameters.executables import EXECUTABLES
 from wsn_tracking.parameters import build, specs
 
 SHIPPED = sorted((Path(__file__).parents[1] / 'config').glob('*.yaml'))

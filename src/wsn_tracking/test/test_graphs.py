@@ -10,9 +10,11 @@ from graph_cases import a_loop, ranged, with_second_target, without_truth
 from wsn_tracking import graphs
 from wsn_tracking.bags.playback import playback
 from wsn_tracking.bags.save import save
-from wsn_tracking.configuration import EXECUTABLES, NodeConfig, load_configuration
+from wsn_tracking.configuration import load_configuration
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.graphs import Process, Source, plan_random_q, random_q_graph, source_of
+from wsn_tracking.node_parameters.common import NodeConfig
+from wsn_tracking.node_parameters.executables import EXECUTABLES
 from wsn_tracking.parameters import build
 from wsn_tracking.processes import declared
 from wsn_tracking.sensing.recording import of_target

@@ -9,10 +9,12 @@ import pytest
 from graph_cases import a_loop
 
 from wsn_tracking import graphs
-from wsn_tracking.configuration import EXECUTABLES, ConsensusNodeConfig, NodeConfig
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.graphs import Process, source_of
 from wsn_tracking.graphs_consensus import consensus_graph, districts, is_consensus, plan_consensus
+from wsn_tracking.node_parameters.common import NodeConfig
+from wsn_tracking.node_parameters.consensus import ConsensusNodeConfig
+from wsn_tracking.node_parameters.executables import EXECUTABLES
 from wsn_tracking.parameters import build
 from wsn_tracking.simulation.b_field import FieldConfig, b_field
 from wsn_tracking.simulation.record import record

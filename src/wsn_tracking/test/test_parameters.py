@@ -11,8 +11,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from wsn_tracking.configuration import EXECUTABLES, NodeConfig
 from wsn_tracking.errors import TrackingError
+from wsn_tracking.node_parameters.common import NodeConfig
+from wsn_tracking.node_parameters.executables import EXECUTABLES
 from wsn_tracking.parameters import build, check, group, param, specs
 
 

@@ -8,10 +8,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from oracles import LOOP, H, properties
 
-from wsn_tracking.configuration import EstimatorNodeConfig, SensingNodeConfig
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.graphs import plan_random_q, source_of
 from wsn_tracking.models.radio import MIN_RANGE, range_at
+from wsn_tracking.node_parameters.estimator import EstimatorNodeConfig
+from wsn_tracking.node_parameters.sensing import SensingNodeConfig
 from wsn_tracking.parameters import build
 from wsn_tracking.sensing.values import EpochEnd, Request, Rssi
 from wsn_tracking.simulation.paths import circle, headings_inside, polygon_loop

@@ -8,7 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from wsn_tracking.bags.types import message_folder
-from wsn_tracking.configuration import EXECUTABLES, NodeConfig
+from wsn_tracking.node_parameters.common import NodeConfig
+from wsn_tracking.node_parameters.executables import EXECUTABLES
 from wsn_tracking.parameters import Spec, specs
 
 

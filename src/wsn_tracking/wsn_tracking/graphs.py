@@ -10,14 +10,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from wsn_tracking.configuration import (
-    Configuration,
-    EstimatorNodeConfig,
-    SensingNodeConfig,
-    SerialBridgeConfig,
-    Values,
-    load_configuration,
-)
+from wsn_tracking.configuration import Configuration, Values, load_configuration
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.graph_parts import (
     LOSS_TIMEOUT,
@@ -30,6 +23,9 @@ from wsn_tracking.graph_parts import (
     source_of,
 )
 from wsn_tracking.graphs_consensus import ConsensusPlan, consensus_graph, is_consensus, plan_consensus
+from wsn_tracking.node_parameters.estimator import EstimatorNodeConfig
+from wsn_tracking.node_parameters.sensing import SensingNodeConfig
+from wsn_tracking.node_parameters.serial import SerialBridgeConfig
 from wsn_tracking.parameters import build
 from wsn_tracking.sensing.recording import Recording
 from wsn_tracking.simulation.record import record as record_scenario

@@ -8,11 +8,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from wsn_tracking.configuration import Configuration, ConsensusNodeConfig, Values, load_configuration
+from wsn_tracking.configuration import Configuration, Values, load_configuration
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.graph_parts import LOSS_TIMEOUT, Process, Source, Tracked, complete, numbers_of
 from wsn_tracking.models.anchors import Anchors
 from wsn_tracking.models.graph import adjacency
+from wsn_tracking.node_parameters.consensus import ConsensusNodeConfig
 from wsn_tracking.parameters import build
 
 CONSENSUS = 'consensus'  # system and configuration

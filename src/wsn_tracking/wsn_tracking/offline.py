@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from wsn_tracking import graphs
-from wsn_tracking.configuration import ConsensusNodeConfig, EstimatorNodeConfig, SensingNodeConfig, Values
+from wsn_tracking.configuration import Values
 from wsn_tracking.evaluation.run import Progress, Run, Sensing, run_random_q, silent
 from wsn_tracking.evaluation.run_consensus import run_consensus
+from wsn_tracking.node_parameters.consensus import ConsensusNodeConfig
+from wsn_tracking.node_parameters.estimator import EstimatorNodeConfig
+from wsn_tracking.node_parameters.sensing import SensingNodeConfig
 from wsn_tracking.parameters import build
 from wsn_tracking.sensing.recording import Recording, of_target
 

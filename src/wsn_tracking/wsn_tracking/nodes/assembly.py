@@ -8,8 +8,8 @@ from typing import Any
 
 from rclpy.node import Node
 
-from wsn_tracking.configuration import AssemblyConfig
 from wsn_tracking.models.anchors import Anchors
+from wsn_tracking.node_parameters.common import AssemblyConfig
 from wsn_tracking.sensing.epochs import NO_LOSS, EpochAssembler
 from wsn_tracking.sensing.values import Epoch
 

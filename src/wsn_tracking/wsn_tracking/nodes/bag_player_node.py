@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from wsn_tracking.bags.epochs import with_epoch_ends
 from wsn_tracking.bags.read import read
-from wsn_tracking.configuration import PlayerConfig
 from wsn_tracking.errors import TrackingError
+from wsn_tracking.node_parameters.feeds import PlayerConfig
 from wsn_tracking.nodes.base import run
 from wsn_tracking.nodes.feed import FeedNode
 from wsn_tracking.sensing.recording import Recording, of_target

@@ -13,8 +13,8 @@ from wsn_tracking_msgs import msg
 
 from wsn_tracking.bags.types import ODOMETRY, expected_type
 from wsn_tracking.bags.write import BagWriter
-from wsn_tracking.configuration import RecorderConfig
 from wsn_tracking.errors import TrackingError
+from wsn_tracking.node_parameters.listeners import RecorderConfig
 from wsn_tracking.nodes import qos
 from wsn_tracking.nodes.base import Finished, TrackingNode, run
 

@@ -21,9 +21,9 @@ from std_msgs.msg import String
 from wsn_tracking_msgs import msg
 
 from wsn_tracking import parameters
-from wsn_tracking.configuration import NodeConfig
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.models.anchors import Anchors
+from wsn_tracking.node_parameters.common import NodeConfig
 from wsn_tracking.nodes import convert, qos
 from wsn_tracking.nodes.executor import make_executor
 from wsn_tracking.nodes.health import Health, flow

@@ -10,8 +10,8 @@ from typing import Any
 from nav_msgs.msg import Odometry
 from wsn_tracking_msgs import msg
 
-from wsn_tracking.configuration import EstimatorNodeConfig
 from wsn_tracking.models.anchors import Anchors
+from wsn_tracking.node_parameters.estimator import EstimatorNodeConfig
 from wsn_tracking.nodes import convert, qos
 from wsn_tracking.nodes.assembly import TICK, Assembly
 from wsn_tracking.nodes.base import TrackingNode, run

@@ -13,12 +13,12 @@ from diagnostic_msgs.msg import DiagnosticArray
 from nav_msgs.msg import Odometry
 from wsn_tracking_msgs import msg
 
-from wsn_tracking.configuration import EvaluatorConfig
 from wsn_tracking.evaluation.report_json import write_json
 from wsn_tracking.evaluation.score import Score, score
 from wsn_tracking.evaluation.summary import Summary, traffic
 from wsn_tracking.evaluation.table import format_table, wants_colour
 from wsn_tracking.models.anchors import Floats
+from wsn_tracking.node_parameters.listeners import EvaluatorConfig
 from wsn_tracking.nodes import convert, qos
 from wsn_tracking.nodes.base import Finished, TrackingNode, run
 from wsn_tracking.nodes.health import Health, truth, worst

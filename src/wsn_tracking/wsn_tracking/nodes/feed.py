@@ -17,7 +17,7 @@ from wsn_tracking_msgs import msg
 
 from wsn_tracking.bags.messages import to_cdr
 from wsn_tracking.bags.playback import Playback, playback
-from wsn_tracking.configuration import FeedConfig
+from wsn_tracking.node_parameters.feeds import FeedConfig
 from wsn_tracking.nodes import convert, qos
 from wsn_tracking.nodes.base import Finished, TrackingNode
 from wsn_tracking.nodes.health import OK, Health, outputs

@@ -7,9 +7,9 @@ from typing import Any
 
 from visualization_msgs.msg import MarkerArray
 
-from wsn_tracking.configuration import MarkerConfig
 from wsn_tracking.evaluation.scene import Scene
 from wsn_tracking.models.anchors import Anchors
+from wsn_tracking.node_parameters.listeners import MarkerConfig
 from wsn_tracking.nodes import markers, qos
 from wsn_tracking.nodes.base import TrackingNode, run
 from wsn_tracking.nodes.health import OK, Health

@@ -7,8 +7,8 @@ from typing import TypeVar
 from rclpy.publisher import Publisher
 from rclpy.subscription import Subscription
 
-from wsn_tracking.configuration import NodeConfig
 from wsn_tracking.errors import TrackingError
+from wsn_tracking.node_parameters.common import NodeConfig
 
 End = TypeVar('End', Publisher, Subscription)
 

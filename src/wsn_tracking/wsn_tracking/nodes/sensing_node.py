@@ -7,8 +7,8 @@ from typing import Any
 
 from wsn_tracking_msgs import msg
 
-from wsn_tracking.configuration import SensingNodeConfig
 from wsn_tracking.models.anchors import Anchors
+from wsn_tracking.node_parameters.sensing import SensingNodeConfig
 from wsn_tracking.nodes import convert, qos
 from wsn_tracking.nodes.assembly import Assembly
 from wsn_tracking.nodes.base import TrackingNode, run

@@ -10,9 +10,9 @@ import numpy as np
 from wsn_tracking_msgs import msg
 
 from wsn_tracking.bridging import Bridge, Rules, Value
-from wsn_tracking.configuration import AnchorsConfig, SerialBridgeConfig
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.models.anchors import Anchors, make_anchors
+from wsn_tracking.node_parameters.serial import AnchorsConfig, SerialBridgeConfig
 from wsn_tracking.nodes import convert, qos
 from wsn_tracking.nodes.base import TrackingNode, run
 from wsn_tracking.nodes.health import Health, link

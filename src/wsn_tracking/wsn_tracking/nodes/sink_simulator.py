@@ -17,8 +17,8 @@ from std_msgs.msg import String
 from wsn_tracking_msgs import msg
 
 from wsn_tracking.airwaves import air_epochs, recording_of
-from wsn_tracking.configuration import SinkSimulatorConfig
 from wsn_tracking.models.anchors import Floats
+from wsn_tracking.node_parameters.serial import SinkSimulatorConfig
 from wsn_tracking.nodes import convert, qos
 from wsn_tracking.nodes.base import Finished, TrackingNode, run
 from wsn_tracking.nodes.health import OK, Health

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 
-from wsn_tracking.configuration import WorldConfig
+from wsn_tracking.node_parameters.feeds import WorldConfig
 from wsn_tracking.nodes.base import run
 from wsn_tracking.nodes.feed import FeedNode
 from wsn_tracking.sensing.recording import Recording
