@@ -9,6 +9,7 @@ from pathlib import Path
 from wsn_tracking import graphs
 from wsn_tracking.commands.base import Commands, add_bag, add_command, add_tracking, progress, settings
 from wsn_tracking.evaluation.run import Run
+from wsn_tracking.models.region import region_of
 from wsn_tracking.sensing.recording import Recording
 
 
@@ -59,7 +60,7 @@ def draw(folder: Path, source: graphs.Source, recording: Recording, run: Run, sk
         recording.anchors,
         None if target is None else recording.truth.get(target),
         run.estimates,
-        (area[0], area[1], area[2], area[3]) if area else None,
+        region_of(area).box if area else None,
         title=source.title,
         start_ns=run.start_ns,
         skip_s=skip_s,

@@ -74,9 +74,7 @@ def chi_square_quantile(p: float, dof: float) -> float:
     because a node would pay a second and 40 MB for SciPy.
     """
     if not (0.0 < p < 1.0 and 1.0 <= dof < math.inf):
-        raise TrackingError(
-            f'chi-square quantile of p = {p}, dof = {dof}: expected 0 < p < 1 and a finite dof >= 1'
-        )
+        raise TrackingError(f'chi-square quantile of p = {p}, dof = {dof}: expected 0 < p < 1 and a finite dof >= 1')
     a = 0.5 * dof
     spread = 2.0 / (9.0 * dof)
     guess = a * (1.0 - spread + NormalDist().inv_cdf(p) * math.sqrt(spread)) ** 3

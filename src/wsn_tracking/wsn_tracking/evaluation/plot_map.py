@@ -55,9 +55,7 @@ def plot_map(
         axes.plot(*corners.T, color='#b0b0b0', linewidth=1.0, zorder=1)
     if truth is not None:
         start = truth.positions[_recorded(truth)][:1, :2]
-        handles += axes.plot(
-            *truth.positions[:, :2].T, color=style.INK, linewidth=2.2, zorder=3, label='truth'
-        )
+        handles += axes.plot(*truth.positions[:, :2].T, color=style.INK, linewidth=2.2, zorder=3, label='truth')
         handles += axes.plot(*start.T, 'o', color='white', mec=style.INK, zorder=6, label='start')
     for name, pen in pens.items():
         track = np.array([e.mean[:2] for e in estimates[name]], dtype=np.float64).reshape(-1, 2)

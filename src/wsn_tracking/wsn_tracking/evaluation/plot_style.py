@@ -49,9 +49,7 @@ def new_figure(width: float, height: float, dpi: int = DPI, layout: Layout | Non
         from matplotlib.backends.backend_agg import FigureCanvasAgg
         from matplotlib.figure import Figure
     except ImportError as error:
-        raise TrackingError(
-            f'plots need matplotlib, which cannot be imported ({error}): install matplotlib'
-        ) from error
+        raise TrackingError(f'plots need matplotlib, which cannot be imported ({error}): install matplotlib') from error
     figure = Figure(figsize=(width, height), dpi=dpi, layout=layout, facecolor='white')
     FigureCanvasAgg(figure)
     return figure

@@ -33,9 +33,7 @@ def plot_all(
     plot_map(written[0], anchors, truth, estimates, area, title=f'{lead}truth and estimates')
     if truth is not None:
         written += [folder / 'error.png', folder / 'nees.png']
-        plot_errors(
-            written[1], truth, estimates, title=f'{lead}position error', start_ns=start_ns, skip_s=skip_s
-        )
+        plot_errors(written[1], truth, estimates, title=f'{lead}position error', start_ns=start_ns, skip_s=skip_s)
         plot_nees(
             written[2],
             truth,

@@ -72,8 +72,7 @@ def match(estimates: Sequence[Estimate], truth: Truth, *, gap_s: float = GAP_S) 
             )
         if tuple(estimate.state_names[:2]) != ('x', 'y'):
             raise TrackingError(
-                f'output {estimate.source} has states {", ".join(estimate.state_names)}: '
-                'x and y are expected first'
+                f'output {estimate.source} has states {", ".join(estimate.state_names)}: x and y are expected first'
             )
     stamps = np.array([estimate.stamp_ns for estimate in estimates], dtype=np.int64)
     means = np.array([estimate.mean[:2] for estimate in estimates], dtype=np.float64).reshape(-1, 2)

@@ -10,9 +10,10 @@ import numpy as np
 from wsn_tracking.filters.belief import Belief
 from wsn_tracking.models.anchors import Anchors, Floats
 from wsn_tracking.models.measurement import Function
+from wsn_tracking.models.region import region_of
 
 TINY = 1e-300  # least likelihood: an epoch may contradict another, it rules nothing out
-Area = tuple[float, float, float, float]
+Area = tuple[float, ...]  # as the parameter `area`: a rectangle or corners
 
 
 class Sight(NamedTuple):
@@ -37,13 +38,14 @@ def area_of(anchors: Anchors, margin: float = 0.25) -> Area:
 
 
 def likelihood_start(sights: Sequence[Sight], area: Area, speed_std: float, cells: int = 4096) -> Belief:
-    """Belief over [x, y, vx, vy] from a flat prior over the area (x_min, y_min, x_max, y_max) [m].
+    """Belief over [x, y, vx, vy] from a flat prior over the area (see `region_of`) [m].
 
     The position is the mean and covariance of the grid posterior, widened by the cell; the velocity is
     N(0, speed_std^2) per axis [m/s]. Where the target was `age` seconds ago is N(0, (speed_std age)^2) off, for all
     nodes of that epoch alike: the epoch's likelihood is blurred as a whole, not the noise of its measurements.
     """
-    x_min, y_min, x_max, y_max = area
+    floor = region_of(area)
+    x_min, y_min, x_max, y_max = floor.box
     cell = np.sqrt((x_max - x_min) * (y_max - y_min) / cells)
     x = np.arange(x_min + cell / 2.0, x_max, cell)
     y = np.arange(y_min + cell / 2.0, y_max, cell)
@@ -52,6 +54,8 @@ def likelihood_start(sights: Sequence[Sight], area: Area, speed_std: float, cell
     for sight in sights:
         log_p += _blurred(_log_likelihood(sight, grid).reshape(log_p.shape), x, y, speed_std * sight.age)
     p = np.exp(log_p - log_p.max()).ravel()
+    if len(area) > 4 and (inside := floor.contains(grid)).any():
+        p = np.where(inside, np.maximum(p, TINY), 0.0)
     p /= p.sum()
     mean = p @ grid
     d = grid - mean

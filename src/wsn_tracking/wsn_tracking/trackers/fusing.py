@@ -11,6 +11,7 @@ import numpy as np
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.fusion import covariance_intersection as ci
 from wsn_tracking.models.anchors import Floats
+from wsn_tracking.models.region import kept_inside
 from wsn_tracking.parameters import param
 from wsn_tracking.trackers.estimate import Estimate, Kind
 
@@ -66,8 +67,7 @@ class Fuser:
         P = np.array([e.covariance for e in ordered])
         fused = self._lci(ordered, m) if self.config.rule == 'lci' else RULES[self.config.rule](m, P)
         mean = np.array(fused.m)
-        if self._area:
-            mean[:2] = np.minimum(np.maximum(mean[:2], self._area[:2]), self._area[2:])
+        mean[:2] = kept_inside(mean[:2], self._area)
         first = ordered[0]
         return Estimate(
             first.stamp_ns,

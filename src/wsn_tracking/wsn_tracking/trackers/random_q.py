@@ -11,7 +11,7 @@ from wsn_tracking.filters import srckf
 from wsn_tracking.filters.belief import Belief
 from wsn_tracking.filters.linalg import tria
 from wsn_tracking.filters.robust import gated, student_t, with_offsets
-from wsn_tracking.filters.start import Area, Sight, area_of, likelihood_start
+from wsn_tracking.filters.start import Sight, area_of, likelihood_start
 from wsn_tracking.models.anchors import Anchors, Floats
 from wsn_tracking.models.draws import Stream
 from wsn_tracking.models.measurement import POSITION, Function
@@ -19,6 +19,7 @@ from wsn_tracking.models.motion import constant_velocity
 from wsn_tracking.models.noise import scaled_identity, white_acceleration
 from wsn_tracking.models.offsets import drift
 from wsn_tracking.models.radio_map import RadioMap
+from wsn_tracking.models.region import kept_inside
 from wsn_tracking.sensing.values import Epoch
 from wsn_tracking.trackers.estimate import PLANAR_STATES, Estimate, Kind
 from wsn_tracking.trackers.random_q_config import NoiseConfig, RandomQConfig
@@ -85,25 +86,23 @@ def white_part(noise: Function, offset_std: float) -> Function:
 
 
 def keep_inside(belief: Belief, area: tuple[float, ...]) -> Belief:
-    """The belief with its position clipped to the area (x_min, y_min, x_max, y_max), where there is one."""
+    """The belief with its position brought into the area, where there is one."""
     if not area:
         return belief
     m = belief.m.copy()
-    m[..., :2].clip(area[:2], area[2:], out=m[..., :2])
+    m[..., :2] = kept_inside(m[..., :2], area)
     return Belief(m, belief.chol_P)
 
 
 class LocalEstimator:
     """Estimator `number` of system A: one `step` an epoch, whatever was heard."""
 
-    def __init__(
-        self, config: RandomQConfig, anchors: Anchors, number: int, radio_map: RadioMap | None = None
-    ) -> None:
+    def __init__(self, config: RandomQConfig, anchors: Anchors, number: int, radio_map: RadioMap | None = None) -> None:
         self.config = config.checked()
         self.number = number
         self._draws = Stream(config.seed, ESTIMATORS + number)
         self.table = MeasurementTable(anchors, config.target_height, config.update, radio_map)
-        self._area: Area = (*config.area,) if config.area else area_of(anchors)  # type: ignore[assignment]
+        self._area = tuple(config.area) or area_of(anchors)
         self.counters: Counter[str] = Counter()
         self.reset()
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import TypeVar
 
 from wsn_tracking.errors import TrackingError
+from wsn_tracking.models.region import region_of
 from wsn_tracking.parameters import group, param
 
 Checked = TypeVar('Checked', bound='RandomQConfig')
@@ -83,7 +84,9 @@ class RandomQConfig:
     """One estimator of system A."""
 
     seed: int = param(0, 'of the random process noise; the draw is keyed by seed, estimator and epoch', '', 0)
-    area: tuple[float, ...] = param((), 'x_min, y_min, x_max, y_max that positions are kept in; empty: not kept', 'm')
+    area: tuple[float, ...] = param(
+        (), 'that positions are kept in: x_min, y_min, x_max, y_max, or x, y of each corner; empty: not kept', 'm'
+    )
     target_height: float = param(0.0, 'height at which the target moves', 'm', -1e4, 1e4)
     noise: NoiseConfig = group(NoiseConfig)
     update: UpdateConfig = group(UpdateConfig)
@@ -97,8 +100,8 @@ class RandomQConfig:
             raise TrackingError(f'`noise.q_max` {self.noise.q_max:g} is below `noise.q_min` {self.noise.q_min:g}')
         if self.noise.q_max == 0.0:
             raise TrackingError('`noise.q_max` is 0: without process noise a filter stops listening')
-        if self.area and not (len(self.area) == 4 and self.area[0] < self.area[2] and self.area[1] < self.area[3]):
-            raise TrackingError(f'`area` is {list(self.area)}: expected x_min, y_min, x_max, y_max with min < max')
+        if self.area:
+            region_of(tuple(self.area))
         if len(self.start.mean) != 4 or len(self.start.std) != 4:
             raise TrackingError('`start.mean` and `start.std` take four numbers each: x, y, vx, vy')
         if self.reacquire.rejects and not self.robust.gate:
