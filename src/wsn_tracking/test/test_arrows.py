@@ -31,9 +31,7 @@ ROOMS = {
     # what stands above the rooms, for nodes and commands
     'node_parameters': ('trackers', 'zstack'),
     'configuration': ('node_parameters',),
-    'graph_parts': ('configuration', 'bags'),
-    'graphs_consensus': ('graph_parts',),
-    'graphs': ('graphs_consensus', 'simulation'),
+    'graphs': ('configuration', 'bags', 'simulation'),
     'processes': ('graphs',),
     'launching': ('processes',),
     'offline': ('graphs', 'evaluation'),

@@ -16,9 +16,7 @@ from typing import Any
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.node_parameters.common import NodeConfig
 from wsn_tracking.node_parameters.executables import EXECUTABLES
-from wsn_tracking.parameters import specs
-
-Values = Mapping[str, Any]  # dotted parameter name -> value
+from wsn_tracking.parameters import Values, specs
 
 
 def share_folders(*parts: str) -> Iterator[Path]:

@@ -1,20 +1,24 @@
-"""The plan of a graph without its processes."""
+"""The plans of a graph without its processes."""
 
 from __future__ import annotations
 
-from wsn_tracking import graphs
-from wsn_tracking.configuration import Values
-from wsn_tracking.evaluation.run import Progress, Run, Sensing, run_random_q, silent
+from wsn_tracking.evaluation.run import Progress, Run, Sensing, merged, run_random_q, silent
 from wsn_tracking.evaluation.run_consensus import run_consensus
+from wsn_tracking.evaluation.run_trackers import run_trackers
+from wsn_tracking.graphs.consensus import ConsensusPlan
+from wsn_tracking.graphs.parts import Plan, Source
+from wsn_tracking.graphs.plans import plans_of
+from wsn_tracking.graphs.random_q import RandomQPlan
+from wsn_tracking.graphs.single import SinglePlan
 from wsn_tracking.node_parameters.consensus import ConsensusNodeConfig
 from wsn_tracking.node_parameters.estimator import EstimatorNodeConfig
 from wsn_tracking.node_parameters.sensing import SensingNodeConfig
-from wsn_tracking.parameters import build
+from wsn_tracking.parameters import Values, build
 from wsn_tracking.sensing.recording import Recording, of_target
 
 
 def offline(
-    source: graphs.Source,
+    source: Source,
     recording: Recording,
     configuration: str = '',
     settings: Values | None = None,
@@ -22,14 +26,25 @@ def offline(
     progress: Progress = silent,
     trackers: str = '',
 ) -> Run:
-    """What the graph of this plan publishes, computed in this process."""
-    plan = graphs.plan_of(source, recording, trackers, configuration, settings, target_id)
-    if isinstance(plan, graphs.ConsensusPlan):
+    """What the graph of these plans publishes, computed in this process."""
+    plans = plans_of(source, recording.anchors, trackers, configuration, settings, target_id)
+    return merged([run_plan(plan, recording, progress) for plan in plans])
+
+
+def run_plan(plan: Plan, recording: Recording, progress: Progress = silent) -> Run:
+    """What the nodes of one system publish."""
+    if isinstance(plan, ConsensusPlan):
         node = build(ConsensusNodeConfig, plan.values)
         return run_consensus(of_target(recording, plan.target_id), node, plan.target_id, progress=progress)
-    estimators = [build(EstimatorNodeConfig, values) for values in plan.estimators]
-    sensing = None
-    if plan.sensing is not None:
-        config = build(SensingNodeConfig, plan.sensing)
-        sensing = Sensing(config.trigger, config.seed, config.channel)
-    return run_random_q(of_target(recording, plan.target_id), sensing, estimators, plan.target_id, progress)
+    if isinstance(plan, RandomQPlan):
+        estimators = [build(EstimatorNodeConfig, values) for values in plan.estimators]
+        sensing = None
+        if plan.sensing is not None:
+            config = build(SensingNodeConfig, plan.sensing)
+            sensing = Sensing(config.trigger, config.seed, config.channel)
+        return run_random_q(of_target(recording, plan.target_id), sensing, estimators, plan.target_id, progress)
+    assert isinstance(plan, SinglePlan)
+    config = plan.config
+    return run_trackers(
+        recording, {target: config.tracker(recording.anchors, target) for target in plan.targets}, progress
+    )

@@ -15,6 +15,7 @@ from typing import Any, NamedTuple, TypeVar, get_type_hints
 from wsn_tracking.errors import TrackingError
 
 Config = TypeVar('Config')
+Values = Mapping[str, Any]  # dotted parameter name -> value
 
 
 ELEMENTS = {int: 'integers', float: 'numbers', str: 'texts'}

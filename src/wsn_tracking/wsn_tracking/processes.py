@@ -17,12 +17,11 @@ from typing import Any
 
 import yaml
 
-from wsn_tracking.configuration import Values
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.graphs import Process
 from wsn_tracking.node_parameters.common import NodeConfig
 from wsn_tracking.node_parameters.executables import EXECUTABLES
-from wsn_tracking.parameters import specs
+from wsn_tracking.parameters import Values, specs
 
 GRACE = 5.0  # [s] a process may take to end when it is asked to
 POLL = 0.05  # [s]

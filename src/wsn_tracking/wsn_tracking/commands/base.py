@@ -8,7 +8,8 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-from wsn_tracking.configuration import Values, configuration_names, parse_setting
+from wsn_tracking.configuration import configuration_names, parse_setting
+from wsn_tracking.parameters import Values
 from wsn_tracking.sensing.channel import check_channel
 
 Commands = Any  # what argparse's add_subparsers returns; it has no public name

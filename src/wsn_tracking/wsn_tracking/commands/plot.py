@@ -54,11 +54,11 @@ def draw(folder: Path, source: graphs.Source, recording: Recording, run: Run, sk
     from wsn_tracking.evaluation.plots import plot_all
 
     area = source.area
-    target = next((estimates[0].target_id for estimates in run.estimates.values()), None)
+    tracked = {estimates[0].target_id for estimates in run.estimates.values()}
     return plot_all(
         folder,
         recording.anchors,
-        None if target is None else recording.truth.get(target),
+        {target: truth for target, truth in recording.truth.items() if target in tracked},
         run.estimates,
         region_of(area).box if area else None,
         title=source.title,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,6 +18,7 @@ from wsn_tracking.trackers.estimate import Estimate, Kind
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
     from matplotlib.lines import Line2D
 
 ELLIPSES = 14  # along a track: more would hide it
@@ -28,7 +29,7 @@ Area = tuple[float, float, float, float]  # x_min, y_min, x_max, y_max [m]
 def plot_map(
     path: str | Path,
     anchors: Anchors,
-    truth: Truth | None,
+    truths: Mapping[int, Truth],
     estimates: Mapping[str, Sequence[Estimate]],
     area: Area | None = None,
     *,
@@ -37,13 +38,14 @@ def plot_map(
 ) -> None:
     """Draw the anchors, the truth, every output's track and the 95 % ellipses of one output to a PNG.
 
+    Where several targets have a truth, the colour of their ways tells the time: who was where at once.
     ellipses_of: that output; by default the first fused one, else the first, whose covariance is known.
     """
     if ellipses_of is not None and ellipses_of not in estimates:
         raise TrackingError(f'no output {ellipses_of}: ellipses can be drawn of {", ".join(estimates)}')
     pens = style.pens(estimates)
     chosen = ellipses_of if ellipses_of is not None else _trusted({n: estimates[n] for n in pens})
-    x_min, y_min, x_max, y_max = box = _frame(anchors, truth, area)
+    x_min, y_min, x_max, y_max = box = _frame(anchors, truths.values(), area)
     shape = (y_max - y_min) / (x_max - x_min)
     width = 5.8 if shape < 1.2 else 5.8 * 1.2 / shape
     figure = style.new_figure(width + 2.4, width * shape + 1.2)
@@ -53,10 +55,13 @@ def plot_map(
     if area is not None:
         corners = np.asarray(area)[np.array([[0, 1], [2, 1], [2, 3], [0, 3], [0, 1]])]
         axes.plot(*corners.T, color='#b0b0b0', linewidth=1.0, zorder=1)
-    if truth is not None:
-        start = truth.positions[_recorded(truth)][:1, :2]
-        handles += axes.plot(*truth.positions[:, :2].T, color=style.INK, linewidth=2.2, zorder=3, label='truth')
-        handles += axes.plot(*start.T, 'o', color='white', mec=style.INK, zorder=6, label='start')
+    if len(truths) == 1:
+        handles += axes.plot(*_way(*truths.values()).T, color=style.INK, linewidth=2.2, zorder=3, label='truth')
+    elif truths:
+        _draw_by_time(figure, axes, truths.values())
+    starts = np.array([_way(truth)[_recorded(truth)][0] for truth in truths.values() if _recorded(truth).any()])
+    if starts.size:
+        handles += axes.plot(*starts.T, 'o', color='white', mec=style.INK, zorder=6, label='start')
     for name, pen in pens.items():
         track = np.array([e.mean[:2] for e in estimates[name]], dtype=np.float64).reshape(-1, 2)
         weight = {'linewidth': 1.8, 'zorder': 5} if name == chosen else {'linewidth': 0.9, 'alpha': 0.6}
@@ -73,6 +78,24 @@ def plot_map(
     style.save(figure, path)
 
 
+def _draw_by_time(figure: Figure, axes: Axes, truths: Iterable[Truth]) -> None:
+    """The ways of several targets, coloured by the time since the first sample of all."""
+    from matplotlib.collections import LineCollection
+
+    ways = [_way(truth) for truth in truths]
+    stamps = [truth.stamps_ns for truth in truths]
+    first = min(int(times.min()) for times in stamps if times.size)
+    segments = np.concatenate([np.stack([way[:-1], way[1:]], axis=1) for way in ways])
+    seconds = np.concatenate([(times[1:] - first) * 1e-9 for times in stamps])
+    lines = LineCollection([*segments], array=seconds, cmap='viridis', linewidth=2.2, zorder=3)
+    axes.add_collection(lines, autolim=False)
+    figure.colorbar(lines, ax=axes, label='truth at time [s]', shrink=0.7)
+
+
+def _way(truth: Truth) -> Floats:
+    return truth.positions[:, :2]
+
+
 def _draw_anchors(axes: Axes, anchors: Anchors) -> Line2D:
     places = anchors.positions[:, :2]
     (handle,) = axes.plot(*places.T, '^', color=style.MUTED, markersize=6, zorder=4, label='node')
@@ -87,11 +110,9 @@ def _recorded(truth: Truth) -> NDArray[np.bool_]:
     return np.asarray(np.all(np.isfinite(truth.positions), axis=-1))
 
 
-def _frame(anchors: Anchors, truth: Truth | None, area: Area | None) -> Area:
+def _frame(anchors: Anchors, truths: Iterable[Truth], area: Area | None) -> Area:
     """What must be seen, with a margin: a lost track may leave the picture, it must not shrink the room."""
-    points = [anchors.positions[:, :2]]
-    if truth is not None:
-        points.append(truth.positions[_recorded(truth), :2])
+    points = [anchors.positions[:, :2], *(_way(truth)[_recorded(truth)] for truth in truths)]
     if area is not None:
         points.append(np.asarray(area, dtype=np.float64).reshape(2, 2))
     every = np.concatenate(points)

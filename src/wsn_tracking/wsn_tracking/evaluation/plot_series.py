@@ -26,7 +26,7 @@ LONG_DASH = (0, (4, 3))
 
 def plot_errors(
     path: str | Path,
-    truth: Truth,
+    truths: Mapping[int, Truth],
     estimates: Mapping[str, Sequence[Estimate]],
     *,
     start_ns: int | None = None,
@@ -35,7 +35,7 @@ def plot_errors(
 ) -> None:
     """Error in x and in y over time, a row an output, with its band of three standard deviations, as PNG."""
     pens = style.pens(estimates)
-    series = {name: match(estimates[name], truth) for name in pens}
+    series = {name: match(estimates[name], _truth(truths, estimates[name])) for name in pens}
     start = _start(series, start_ns)
     reach = _reach(series, start, skip_s)
     figure = style.new_figure(9.0, 1.5 * max(1, len(series)) + 1.1)
@@ -70,7 +70,7 @@ def plot_errors(
 
 def plot_nees(
     path: str | Path,
-    truth: Truth,
+    truths: Mapping[int, Truth],
     estimates: Mapping[str, Sequence[Estimate]],
     *,
     start_ns: int | None = None,
@@ -82,7 +82,7 @@ def plot_nees(
     Outputs without a covariance have no NEES: the title names them.
     """
     pens = style.pens(estimates)
-    every = {name: match(estimates[name], truth) for name in pens}
+    every = {name: match(estimates[name], _truth(truths, estimates[name])) for name in pens}
     start = _start(every, start_ns)
     series = {name: matched for name, matched in every.items() if np.any(np.isfinite(matched.nees))}
     silent = [name for name in every if name not in series]
@@ -96,7 +96,7 @@ def plot_nees(
     for axes, (name, matched) in zip(grid.flat, series.items(), strict=False):
         style.dress(axes)
         _shade_skipped(axes, skip_s)
-        result = score(estimates[name], truth, skip_s, start_ns=start)
+        result = score(estimates[name], _truth(truths, estimates[name]), skip_s, start_ns=start)
         t, color = _seconds(matched.stamps_ns, start), pens[name].color
         low, high = result.nees_interval
         axes.axhspan(low, high, color=style.MUTED, alpha=0.28, linewidth=0.0)
@@ -128,6 +128,11 @@ def plot_nees(
     ]
     style.legend_outside(figure, handles, 'outside lower center')
     style.save(figure, path)
+
+
+def _truth(truths: Mapping[int, Truth], estimates: Sequence[Estimate]) -> Truth:
+    """Of the target that an output speaks of; where it has said nothing yet, anybody's."""
+    return truths[estimates[0].target_id] if estimates else next(iter(truths.values()))
 
 
 def _start(series: Mapping[str, Matched], start_ns: int | None) -> int:

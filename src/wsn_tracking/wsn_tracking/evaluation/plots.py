@@ -18,7 +18,7 @@ __all__ = ['plot_all', 'plot_errors', 'plot_map', 'plot_nees']
 def plot_all(
     directory: str | Path,
     anchors: Anchors,
-    truth: Truth | None,
+    truths: Mapping[int, Truth],
     estimates: Mapping[str, Sequence[Estimate]],
     area: Area | None = None,
     *,
@@ -26,18 +26,19 @@ def plot_all(
     start_ns: int | None = None,
     skip_s: float = SKIP_S,
 ) -> list[Path]:
-    """Write map.png, and where a truth is known error.png and nees.png; the paths that were written."""
+    """Write map.png, and where the truth of a target is known error.png and nees.png; the paths that were written."""
     folder = Path(directory)
     lead = f'{title}: ' if title else ''
     written = [folder / 'map.png']
-    plot_map(written[0], anchors, truth, estimates, area, title=f'{lead}truth and estimates')
-    if truth is not None:
+    plot_map(written[0], anchors, truths, estimates, area, title=f'{lead}truth and estimates')
+    judged = {name: e for name, e in estimates.items() if e and e[0].target_id in truths}
+    if truths:
         written += [folder / 'error.png', folder / 'nees.png']
-        plot_errors(written[1], truth, estimates, title=f'{lead}position error', start_ns=start_ns, skip_s=skip_s)
+        plot_errors(written[1], truths, judged, title=f'{lead}position error', start_ns=start_ns, skip_s=skip_s)
         plot_nees(
             written[2],
-            truth,
-            estimates,
+            truths,
+            judged,
             title=f'{lead}NEES of the position',
             start_ns=start_ns,
             skip_s=skip_s,

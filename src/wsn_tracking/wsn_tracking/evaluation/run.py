@@ -29,14 +29,48 @@ class Sensing(NamedTuple):
     channel: str = ''  # file of `calibrate`; empty: the anchors tell
 
 
+class Span(NamedTuple):
+    """The epochs of one target."""
+
+    epochs: int
+    start_ns: int  # stamp of the first
+
+
 class Run(NamedTuple):
     """What came out."""
 
     estimates: Mapping[str, tuple[Estimate, ...]]  # by output
     reports: tuple[TriggerReport, ...]
-    epochs: int
-    start_ns: int  # stamp of the first epoch
+    spans: Mapping[int, Span]  # by target
     dropped: Mapping[str, int]  # input that was not used, by reason
+
+    @property
+    def epochs(self) -> int:
+        """Of all targets."""
+        return sum(span.epochs for span in self.spans.values())
+
+    @property
+    def start_ns(self) -> int:
+        """Stamp of the first epoch; 0 without any."""
+        return min((span.start_ns for span in self.spans.values()), default=0)
+
+
+def merged(runs: Sequence[Run]) -> Run:
+    """Several systems on one recording; what all of them could not use counts once."""
+    dropped: Counter[str] = Counter()
+    for run in runs:
+        dropped |= Counter(run.dropped)
+    return Run(
+        {name: estimates for run in runs for name, estimates in run.estimates.items()},
+        tuple(report for run in runs for report in run.reports),
+        {target: span for run in runs for target, span in sorted(run.spans.items())},
+        dropped,
+    )
+
+
+def told(counters: Mapping[str, int]) -> dict[str, int]:
+    """The counters of input that was not used."""
+    return {reason: n for reason, n in counters.items() if n and reason not in NO_LOSS}
 
 
 def silent(epochs: Iterator[Epoch], total: int) -> Iterator[Epoch]:
@@ -92,7 +126,7 @@ def run_random_q(
     reports: list[TriggerReport] = []
     counters: Counter[str] = Counter(recording.dropped)
     total = sum(isinstance(message, EpochEnd) for message in recording.messages)
-    count, start_ns = 0, 0
+    spans: dict[int, Span] = {}
 
     def anew() -> None:
         each = (kept for part in parts for kept in (part.local, part.fuser))
@@ -100,7 +134,7 @@ def run_random_q(
             kept.reset()
 
     for epoch in progress(epochs_of(recording, target_id, counters, anew), total):
-        start_ns, count = (start_ns if count else epoch.stamp_ns), count + 1
+        count_epoch(spans, epoch)
         ranged = epoch
         if stage is not None:
             sensed = stage.step(epoch)
@@ -119,8 +153,13 @@ def run_random_q(
         targets = {e[0].target_id for e in estimates.values()}
         reports = [m for m in recording.messages if isinstance(m, TriggerReport) and m.target_id in targets]
     counters['gated'] += _gated(parts)
-    dropped = {reason: n for reason, n in counters.items() if n and reason not in NO_LOSS}
-    return Run({name: tuple(e) for name, e in estimates.items()}, tuple(reports), count, start_ns, dropped)
+    return Run({name: tuple(e) for name, e in estimates.items()}, tuple(reports), spans, told(counters))
+
+
+def count_epoch(spans: dict[int, Span], epoch: Epoch) -> None:
+    """One more epoch of its target."""
+    span = spans.get(epoch.target_id, Span(0, epoch.stamp_ns))
+    spans[epoch.target_id] = span._replace(epochs=span.epochs + 1)
 
 
 class _Part(NamedTuple):
@@ -164,8 +203,15 @@ def summarise(title: str, recording: Recording, run: Run, skip_s: float = SKIP_S
     """Score every output against the truth of its target; without a truth there is nothing to score."""
     scores = {}
     for name, estimates in run.estimates.items():
-        truth = recording.truth.get(estimates[0].target_id)
-        if truth is not None:
-            scores[name] = score(estimates, truth, skip_s, start_ns=run.start_ns)
-    target = next((e[0].target_id for e in run.estimates.values()), None)
-    return Summary(title, target, run.epochs, scores, run.dropped, traffic(run.reports), skip_s)
+        target = estimates[0].target_id
+        if target in recording.truth:
+            scores[name] = score(estimates, recording.truth[target], skip_s, start_ns=run.spans[target].start_ns)
+    return Summary(
+        title,
+        next(iter(run.spans)) if len(run.spans) == 1 else None,
+        run.epochs,
+        scores,
+        run.dropped,
+        traffic(run.reports),
+        skip_s,
+    )

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Mapping
 
-from wsn_tracking.evaluation.run import Progress, Run, epochs_of, silent
-from wsn_tracking.sensing.epochs import NO_LOSS
+from wsn_tracking.evaluation.run import Progress, Run, Span, count_epoch, epochs_of, silent, told
 from wsn_tracking.sensing.recording import Recording
 from wsn_tracking.sensing.values import EpochEnd
 from wsn_tracking.trackers.consensus_config import ConsensusConfig
@@ -28,18 +27,17 @@ def run_consensus(
     estimates: dict[str, list[Estimate]] = {f'consensus_{i}': [] for i in ids}
     counters: Counter[str] = Counter(recording.dropped)
     total = sum(isinstance(message, EpochEnd) for message in recording.messages)
-    count, start_ns = 0, 0
+    spans: dict[int, Span] = {}
 
     def anew() -> None:
         for node in nodes.values():
             node.reset()
 
     for epoch in progress(epochs_of(recording, target_id, counters, anew), total):
-        start_ns, count = (start_ns if count else epoch.stamp_ns), count + 1
+        count_epoch(spans, epoch)
         living = [i for i in ids if dead is None or i not in dead or epoch.request_seq < dead[i]]
         for estimate in run_epoch(nodes, dict.fromkeys(living, epoch)).values():
             estimates[estimate.source].append(estimate)
     for node in nodes.values():
         counters.update(node.counters)
-    dropped = {reason: n for reason, n in counters.items() if n and reason not in NO_LOSS}
-    return Run({name: tuple(e) for name, e in estimates.items() if e}, (), count, start_ns, dropped)
+    return Run({name: tuple(e) for name, e in estimates.items() if e}, (), spans, told(counters))

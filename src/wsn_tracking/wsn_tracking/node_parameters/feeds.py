@@ -15,7 +15,7 @@ class FeedConfig:
     expected_nodes: tuple[str, ...] = param(
         ('',), 'names of the nodes that must be ready before anything is sent; empty: none'
     )
-    window_topics: tuple[str, ...] = param(('',), 'outputs that the feed stays close to')
+    window_topics: tuple[str, ...] = param(('',), 'outputs that the feed stays close to, each as topic or topic=target')
     window: int = param(4, 'epochs that the feed may be ahead of those outputs', '', 1, 100000)
     output_timeout: float = param(5.0, 'an output silent for so long leaves the window', 's', 1e-2, 3600.0)
     progress: bool = param(False, 'draw a progress bar on the terminal')

@@ -29,7 +29,7 @@ class EvaluatorConfig:
     outputs: tuple[str, ...] = param(
         ('local_1', 'local_2', 'local_3', 'fused_1', 'fused_2', 'fused_3'), 'estimates that are scored'
     )
-    target_id: int = param(1, 'target that is scored', 'id', 0, 65535)
+    targets: tuple[int, ...] = param((1,), 'targets whose estimates are scored', 'id', 0, 65535)
     title: str = param('live', 'heading of the table')
     skip: float = param(5.0, 'errors before this time after the first epoch are not scored', 's', 0.0, 1e9)
     json: str = param('', 'file that the scores are written to; empty: none')

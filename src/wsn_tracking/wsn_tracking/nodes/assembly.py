@@ -11,7 +11,7 @@ from rclpy.node import Node
 from wsn_tracking.models.anchors import Anchors
 from wsn_tracking.node_parameters.common import AssemblyConfig
 from wsn_tracking.sensing.epochs import NO_LOSS, EpochAssembler
-from wsn_tracking.sensing.values import Epoch
+from wsn_tracking.sensing.values import Epoch, EpochEnd
 
 MAX_EARLY = 10_000  # messages held until the anchors are known
 TICK = 0.02  # [s] how often timeouts are looked at
@@ -32,6 +32,7 @@ class Assembly:
         self._overflow = 0  # messages before the anchors that found no place
         self._logger = node.get_logger()
         self.last_seq = -1
+        self._finals: dict[int, int] = {}  # each target's last epoch, once its feed has ended
         node.create_timer(TICK, self.advance)
 
     def start(self, anchors: Anchors, roster: Iterable[int]) -> None:
@@ -67,8 +68,21 @@ class Assembly:
         self.add('measurement', message, now)
 
     def listing(self, message: Any, now: float) -> None:
-        """An EpochEnd or a TriggerReport."""
+        """What was sent: an EpochEnd or a TriggerReport."""
         self.add('listing', message, now)
+
+    def end(self, end: EpochEnd, now: float, *, lists: bool) -> None:
+        """An EpochEnd; `lists`: of the measurements that are taken here."""
+        if end.final:
+            self._finals[end.target_id] = end.request_seq
+        if lists:
+            self.listing(end, now)
+
+    @property
+    def final_seq(self) -> int | None:
+        """The last epoch of the target, once its feed has ended."""
+        target = self._config.target_id if self._assembler is None else self._assembler.target_id
+        return self._finals.get(target)
 
     def advance(self) -> None:
         """Hand on every epoch that can be closed by now."""

@@ -15,17 +15,13 @@ from wsn_tracking.nodes import convert, qos
 from wsn_tracking.nodes.assembly import Assembly
 from wsn_tracking.nodes.base import TrackingNode, run
 from wsn_tracking.nodes.health import Health, neighbours, worst
+from wsn_tracking.nodes.inputs import take_measurements
 from wsn_tracking.sensing.values import Epoch, EpochEnd
 from wsn_tracking.trackers.consensus_group import ConsensusGroup
 from wsn_tracking.trackers.consensus_node import ConsensusNode
 from wsn_tracking.trackers.consensus_share import Share
 from wsn_tracking.trackers.estimate import Estimate
 
-INPUTS = {
-    'observation': (msg.RangeBearing, convert.range_bearing_value),
-    'range': (msg.RangeMeasurement, convert.range_value),
-    'rssi': (msg.RssiMeasurement, convert.rssi_value),
-}
 TICKS = (0.002, 0.1)  # [s] least and most time between two looks at round timeouts; a third of one where possible
 
 
@@ -39,7 +35,6 @@ class ConsensusProcess(TrackingNode[ConsensusNodeConfig]):
         super().__init__('consensus_node', ConsensusNodeConfig)
         self.config.checked()
         self._group: ConsensusGroup | None = None
-        self._final_seq: int | None = None
         self._epoch = -1
         self._finished: dict[int, int] = {}  # nodes by the epoch that they have finished last
         self._begun: dict[int, float] = {}  # steady time at which an epoch's input was complete
@@ -49,19 +44,11 @@ class ConsensusProcess(TrackingNode[ConsensusNodeConfig]):
         self._assembly = Assembly(self, self.config, self._begin, self._anew)
         self._inputs = ('observation', 'range') if self.config.input == 'auto' else (self.config.input,)
         for topic in self._inputs:
-            self.take(*self._input(topic), self._assembly.measurement, qos.MEASUREMENTS)
-        if 'range' in self._inputs:
-            listing = self._assembly.listing
-            self.take(msg.TriggerReport, 'trigger_report', convert.report_value, listing, qos.MEASUREMENTS)
+            take_measurements(self, topic, self._assembly)
         self.take(msg.LocationRequest, 'request', convert.request_value, self._assembly.request, qos.MEASUREMENTS)
         self.take(msg.EpochEnd, 'epoch_end', convert.epoch_end_value, self._end, qos.MEASUREMENTS)
         self.take_anchors()
         self.create_timer(min(max(self.config.longest_round / 3.0, TICKS[0]), TICKS[1]), self._look_at_time)
-
-    @staticmethod
-    def _input(topic: str) -> tuple[Any, str, Any]:
-        kind, value = INPUTS[topic]
-        return kind, topic, value
 
     def on_anchors(self, anchors: Anchors) -> None:
         """Make the nodes of the first table, and subscribe their neighbours elsewhere."""
@@ -87,10 +74,7 @@ class ConsensusProcess(TrackingNode[ConsensusNodeConfig]):
         return self._group is not None
 
     def _end(self, end: EpochEnd, now: float) -> None:
-        if end.final:
-            self._final_seq = end.request_seq
-        if end.topic in self._inputs:
-            self._assembly.listing(end, now)
+        self._assembly.end(end, now, lists=end.topic in self._inputs)
 
     def _begin(self, epoch: Epoch) -> None:
         assert self._group is not None  # the assembly starts with it
@@ -135,7 +119,7 @@ class ConsensusProcess(TrackingNode[ConsensusNodeConfig]):
         self._epoch = seq
         self._took = time.monotonic() - self._begun.pop(seq)
         self._longest = max(self._longest, self._took)
-        if seq == self._final_seq:
+        if seq == self._assembly.final_seq:
             self.ended = True
             self.report()
 
@@ -158,6 +142,7 @@ class ConsensusProcess(TrackingNode[ConsensusNodeConfig]):
         group = self._group
         nodes = {} if group is None else group.nodes
         values: dict[str, Any] = {
+            'system': 'consensus',
             'epoch': self._epoch,
             'waits for': self.waits_for or (group.waits_for if group else '') or self._assembly.waits_for,
             'silent neighbours': self._silent(),

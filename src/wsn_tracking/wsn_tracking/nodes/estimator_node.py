@@ -16,6 +16,7 @@ from wsn_tracking.nodes import convert, qos
 from wsn_tracking.nodes.assembly import TICK, Assembly
 from wsn_tracking.nodes.base import TrackingNode, run
 from wsn_tracking.nodes.health import Health, peers, worst
+from wsn_tracking.nodes.inputs import Input
 from wsn_tracking.sensing.channel import check_channel
 from wsn_tracking.sensing.values import Epoch, EpochEnd
 from wsn_tracking.trackers.estimate import Estimate
@@ -37,15 +38,13 @@ class EstimatorNode(TrackingNode[EstimatorNodeConfig]):
         self._gate = FusionGate(config.id, config.all_peers, config.fusion_timeout)
         self._parts: tuple[LocalEstimator, Fuser] | None = None
         self._queue: deque[Epoch] = deque()
-        self._final_seq: int | None = None
         self._fused_seq = -1
         self._assembly = Assembly(self, config, self._enqueue, self._anew)
         self._local = self._outputs(f'local_{config.id}')
         self._fused = self._outputs(f'fused_{config.id}')
         for peer in self._gate.peers:
             self._take_peer(peer)
-        self._input = ''
-        self._choose_input()
+        self._input = Input(self, config.input, self._assembly)
         self.take(msg.LocationRequest, 'request', convert.request_value, self._assembly.request, qos.MEASUREMENTS)
         self.take(msg.EpochEnd, 'epoch_end', convert.epoch_end_value, self._end, qos.MEASUREMENTS)
         self.take_anchors()
@@ -64,26 +63,6 @@ class EstimatorNode(TrackingNode[EstimatorNodeConfig]):
 
         self.take(msg.TargetEstimate, f'estimate/local_{peer}', convert.peer_value, heard, qos.ESTIMATES)
 
-    def _choose_input(self) -> None:
-        """Subscribe measurements; with `auto`, once somebody publishes them: ranges where there are any."""
-        chosen = self.config.input
-        if chosen == 'auto':
-            offered = [topic for topic in ('range', 'rssi') if self.count_publishers(topic)]
-            if not offered:
-                self._auto = self.create_timer(0.2, self._choose_later)
-                return
-            chosen = offered[0]
-        self._input = chosen
-        if chosen == 'rssi':
-            self.take(msg.RssiMeasurement, 'rssi', convert.rssi_value, self._assembly.measurement, qos.MEASUREMENTS)
-            return
-        self.take(msg.RangeMeasurement, 'range', convert.range_value, self._assembly.measurement, qos.MEASUREMENTS)
-        self.take(msg.TriggerReport, 'trigger_report', convert.report_value, self._assembly.listing, qos.MEASUREMENTS)
-
-    def _choose_later(self) -> None:
-        self.destroy_timer(self._auto)
-        self._choose_input()
-
     def on_anchors(self, anchors: Anchors) -> None:
         """Make the filter of the first table."""
         if self._parts is None:
@@ -92,13 +71,10 @@ class EstimatorNode(TrackingNode[EstimatorNodeConfig]):
 
     def is_prepared(self) -> bool:
         """Whether the anchors are held and the input is chosen."""
-        return self._parts is not None and bool(self._input)
+        return self._parts is not None and bool(self._input.topic)
 
     def _end(self, end: EpochEnd, now: float) -> None:
-        if end.final:
-            self._final_seq = end.request_seq
-        if end.topic == self._input:
-            self._assembly.listing(end, now)
+        self._assembly.end(end, now, lists=end.topic == self._input.topic)
 
     def _enqueue(self, epoch: Epoch) -> None:
         self._queue.append(epoch)
@@ -127,7 +103,7 @@ class EstimatorNode(TrackingNode[EstimatorNodeConfig]):
                 local.feed_back(fused)
             self._publish(self._fused, fused)
             self._fused_seq = fused.request_seq
-            if fused.request_seq == self._final_seq:
+            if fused.request_seq == self._assembly.final_seq:
                 self.ended = True
                 self.report()
         return bool(ready)
@@ -161,7 +137,8 @@ class EstimatorNode(TrackingNode[EstimatorNodeConfig]):
         """Counts of input, the peers that are missing, and what is waited for."""
         return {
             'epoch': self._fused_seq,
-            'input': self._input,
+            'system': 'random_q',
+            'input': self._input.topic,
             'waits for': self.waits_for or self._assembly.waits_for,
             'absent peers': list(self._gate.absent),
             'hears': self._hears,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 import time
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -30,8 +30,15 @@ from wsn_tracking.trackers.fusing import compared
 QUIET = 4  # looks in a row without a message before the end is believed
 
 
+def _track(target: int, poses: Sequence[tuple[int, Floats, Floats]]) -> Truth:
+    stamps, first = np.unique(np.array([stamp for stamp, _, _ in poses], dtype=np.int64), return_index=True)
+    positions = np.array([position for _, position, _ in poses])[first]
+    velocities = np.array([velocity for _, _, velocity in poses])[first]
+    return Truth(target, stamps, positions, velocities)
+
+
 class EvaluatorNode(TrackingNode[EvaluatorConfig]):
-    """Collects one target's truth and estimates; ends with the feed."""
+    """Collects the targets' truth and estimates; ends with the feed."""
 
     def __init__(self) -> None:
         super().__init__('evaluator_node', EvaluatorConfig)
@@ -39,10 +46,10 @@ class EvaluatorNode(TrackingNode[EvaluatorConfig]):
         self._estimates: dict[str, list[Estimate]] = {name: [] for name in config.outputs if name}
         self._locals = [name for name in self._estimates if name.startswith('local_')]
         self._compared = compared(config.fusion) if len(self._locals) > 1 else ()
-        self._truth: list[tuple[int, Floats, Floats]] = []
+        self._truth: dict[int, list[tuple[int, Floats, Floats]]] = {target: [] for target in config.targets}
         self._reports: list[TriggerReport] = []
-        self._ends: set[int] = set()
-        self._final: EpochEnd | None = None
+        self._ends: dict[int, dict[int, int]] = {target: {} for target in config.targets}  # stamps by request_seq
+        self._finals: dict[int, int] = {}  # the last epoch of each target
         self._last = time.monotonic()
         self._told: dict[str, dict[str, str]] = {}
         self._seen, self._quiet = 0, 0
@@ -50,7 +57,8 @@ class EvaluatorNode(TrackingNode[EvaluatorConfig]):
             self._take_output(name)
         self.take(msg.EpochEnd, 'epoch_end', convert.epoch_end_value, self._end, qos.MEASUREMENTS)
         self.take(msg.TriggerReport, 'trigger_report', convert.report_value, self._reported, qos.MEASUREMENTS)
-        self.take(Odometry, f'truth/target_{config.target_id}', convert.truth_position, self._true, qos.TRUTH)
+        for target, poses in self._truth.items():
+            self._take_truth(target, poses)
         self.create_subscription(DiagnosticArray, '/diagnostics', self._diagnosed, qos.ESTIMATES)
         self.take_anchors()
         self.create_timer(0.05, self._finish)
@@ -61,25 +69,29 @@ class EvaluatorNode(TrackingNode[EvaluatorConfig]):
 
     def _take_output(self, name: str) -> None:
         def heard(estimate: Estimate, now: float) -> None:
-            if estimate.target_id == self.config.target_id:
+            if estimate.target_id in self._ends:
                 self._last = now
                 self._estimates[name].append(estimate)
 
         self.take(msg.TargetEstimate, f'estimate/{name}', convert.estimate_value, heard, qos.ESTIMATES)
 
+    def _take_truth(self, target: int, poses: list[tuple[int, Floats, Floats]]) -> None:
+        def heard(pose: tuple[int, Floats, Floats], now: float) -> None:
+            poses.append(pose)
+
+        self.take(Odometry, f'truth/target_{target}', convert.truth_position, heard, qos.TRUTH)
+
     def _end(self, end: EpochEnd, now: float) -> None:
         self._last = now
-        if end.target_id == self.config.target_id:
-            self._ends.add(end.request_seq)
-            self._final = end if end.final else self._final
-            self.ended = self._final is not None
+        if end.target_id in self._ends:
+            self._ends[end.target_id].setdefault(end.request_seq, end.stamp_ns)
+            if end.final:
+                self._finals[end.target_id] = end.request_seq
+            self.ended = len(self._finals) == len(self._ends)
 
     def _reported(self, report: TriggerReport, now: float) -> None:
-        if report.target_id == self.config.target_id:
+        if report.target_id in self._ends:
             self._reports.append(report)
-
-    def _true(self, pose: tuple[int, Floats, Floats], now: float) -> None:
-        self._truth.append(pose)
 
     def _diagnosed(self, array: DiagnosticArray) -> None:
         for status in array.status:
@@ -93,20 +105,21 @@ class EvaluatorNode(TrackingNode[EvaluatorConfig]):
         """
         self._quiet = self._quiet + 1 if self.arrivals == self._seen else 0
         self._seen = self.arrivals
-        if self._final is None or self._quiet < QUIET:
+        if not self.ended or self._quiet < QUIET:
             return
-        missing = [name for name, e in self._estimates.items() if not e or e[-1].request_seq != self._final.request_seq]
-        untold = [
-            name
-            for name in filter(None, self.config.expected_reports)
-            if self._told.get(name, {}).get('epoch') != str(self._final.request_seq)
-        ]
+        missing = [name for name, e in self._estimates.items() if not e or not self._is_final(e[-1])]
+        finals = {str(seq) for seq in self._finals.values()}
+        reports = filter(None, self.config.expected_reports)
+        untold = [name for name in reports if self._told.get(name, {}).get('epoch') not in finals]
         if (missing or untold) and time.monotonic() - self._last < self.config.output_timeout:
             return
         for name in missing:
-            self.get_logger().warn(f'estimate/{name} did not reach the final epoch {self._final.request_seq}')
+            self.get_logger().warn(f'estimate/{name} did not reach the final epoch of its target: {self._finals}')
         self._tell()
         raise Finished(1 if missing else 0)
+
+    def _is_final(self, estimate: Estimate) -> bool:
+        return estimate.request_seq == self._finals[estimate.target_id]
 
     def _tell(self) -> None:
         summary = self._summary()
@@ -121,16 +134,11 @@ class EvaluatorNode(TrackingNode[EvaluatorConfig]):
 
         assert self.anchors is not None
         estimates = {name: e for name, e in self._every_output().items() if e}
-        plot_all(self.config.plot, self.anchors, self._true_track(), estimates, title=self.config.title)
+        plot_all(self.config.plot, self.anchors, self._tracks(), estimates, title=self.config.title)
 
-    def _true_track(self) -> Truth | None:
-        if not self._truth:
-            return None
-        stamps = np.array([stamp for stamp, _, _ in self._truth], dtype=np.int64)
-        stamps, first = np.unique(stamps, return_index=True)
-        positions = np.array([position for _, position, _ in self._truth])[first]
-        velocities = np.array([velocity for _, _, velocity in self._truth])[first]
-        return Truth(self.config.target_id, stamps, positions, velocities)
+    def _tracks(self) -> dict[int, Truth]:
+        """Where the targets really were, by target."""
+        return {target: _track(target, poses) for target, poses in self._truth.items() if poses}
 
     def _every_output(self) -> dict[str, list[Estimate]]:
         """The outputs, and beside them what the mean and LCI make of the locals of each epoch."""
@@ -143,17 +151,17 @@ class EvaluatorNode(TrackingNode[EvaluatorConfig]):
         return every
 
     def _summary(self) -> Summary:
-        track = self._true_track()
-        every = self._every_output()
-        starts = [e[0].stamp_ns for e in every.values() if e]
+        tracks = self._tracks()
+        starts = {target: min(stamps.values(), default=0) for target, stamps in self._ends.items()}
         scores: dict[str, Score] = {}
-        for name, estimates in every.items():
-            if track is not None and estimates:
-                scores[name] = score(estimates, track, self.config.skip, start_ns=min(starts))
+        for name, estimates in self._every_output().items():
+            track = tracks.get(estimates[0].target_id) if estimates else None
+            if track is not None:
+                scores[name] = score(estimates, track, self.config.skip, start_ns=starts[track.target_id])
         return Summary(
             self.config.title,
-            self.config.target_id,
-            len(self._ends),
+            next(iter(self._ends)) if len(self._ends) == 1 else None,
+            sum(map(len, self._ends.values())),
             scores,
             self._dropped(),
             traffic(self._reports),
@@ -161,26 +169,28 @@ class EvaluatorNode(TrackingNode[EvaluatorConfig]):
         )
 
     def _dropped(self) -> dict[str, int]:
-        """Input that was not used, as told last: by feed and sensing nodes, and by estimators.
+        """Input that was not used, as told last: by the feed, and by whichever system dropped most for that reason.
 
-        Estimators that hear the same nodes drop the same input, which counts once; others' adds up.
+        Within a system it adds up; but estimators that hear the same nodes drop the same input, which counts once.
         """
-        counts: Counter[str] = Counter()
-        estimators: dict[str, Counter[str]] = {}
-        for values in self._told.values():
+        alike: dict[tuple[str, str], Counter[str]] = {}  # by system and by what is heard
+        for name, values in self._told.items():
             dropped = Counter({k[8:]: int(v) for k, v in values.items() if k.startswith('dropped.')})
-            if 'hears' in values:
-                hears = values['hears']
-                estimators[hears] = estimators.get(hears, Counter()) | dropped
-            else:
-                counts.update(dropped)
-        for dropped in estimators.values():
-            counts.update(dropped)
+            key = values.get('system', ''), values.get('hears', name)
+            alike[key] = alike.get(key, Counter()) | dropped
+        systems: dict[str, Counter[str]] = {}
+        for (system, _), dropped in alike.items():
+            systems.setdefault(system, Counter()).update(dropped)
+        counts = systems.pop('', Counter())
+        worst: Counter[str] = Counter()
+        for dropped in systems.values():
+            worst |= dropped
+        counts.update(worst)
         return {reason: n for reason, n in counts.items() if n}
 
     def health(self) -> Health:
         """Requests that stopped, estimates that cannot be scored."""
-        return worst(super().health(), truth(sum(map(len, self._estimates.values())), len(self._truth)))
+        return worst(super().health(), truth(sum(map(len, self._estimates.values())), sum(map(len, self._truth.values()))))
 
     def state(self) -> Mapping[str, Any]:
         """Running RMSE and NEES of every output."""
@@ -188,7 +198,7 @@ class EvaluatorNode(TrackingNode[EvaluatorConfig]):
         for name, s in self._summary().outputs.items():
             values[f'{name}.rmse_m'], values[f'{name}.nees'] = f'{s.rmse_m:.4f}', f'{s.nees:.2f}'
         share = traffic(self._reports).share
-        return {**values, 'epochs': len(self._ends), 'share sent': f'{share:.3f}'}
+        return {**values, 'epochs': sum(map(len, self._ends.values())), 'share sent': f'{share:.3f}'}
 
 
 def main() -> None:

@@ -17,6 +17,7 @@ from wsn_tracking_msgs import msg
 
 from wsn_tracking.bags.messages import to_cdr
 from wsn_tracking.bags.playback import Playback, playback
+from wsn_tracking.errors import TrackingError
 from wsn_tracking.node_parameters.feeds import FeedConfig
 from wsn_tracking.nodes import convert, qos
 from wsn_tracking.nodes.base import Finished, TrackingNode
@@ -38,6 +39,14 @@ TYPES = {
 TICK = 0.002  # [s]
 
 
+def _watched(entry: str) -> tuple[str, int]:
+    """An entry of `window_topics`: topic, or topic=target."""
+    topic, separator, target = entry.partition('=')
+    if separator and not (target.isdecimal() and int(target) <= 0xFFFF):
+        raise TrackingError(f'`window_topics` has {entry!r}: expected topic or topic=target, e.g. estimate/fused_1=1')
+    return topic, int(target) if separator else -1
+
+
 class FeedNode(TrackingNode[Config]):
     """Sends the recording that `load` gives; exits with 0, or with 1 where an output fell silent."""
 
@@ -52,7 +61,7 @@ class FeedNode(TrackingNode[Config]):
         self._sent = 0
         self._begun: float | None = None
         self._start = time.monotonic()
-        topics = [topic for topic in self.config.window_topics if topic]
+        topics = {topic: target for topic, target in map(_watched, self.config.window_topics) if topic}
         self._window = Window(topics, self._playback.epochs, self.config.window, self.config.output_timeout)
         for topic in topics:
             self.take(msg.TargetEstimate, topic, convert.estimate_value, self._progress(topic), qos.ESTIMATES)

@@ -25,7 +25,6 @@ class SensingNode(TrackingNode[SensingNodeConfig]):
         self.config.trigger.strategy()
         check_channel(self.config.channel)
         self._stage: SensingStage | None = None
-        self._final_seq: int | None = None
         self._counts = {'sent': 0, 'offered': 0, 'dropped.invalid': 0}
         self._assembly = Assembly(self, self.config, self._sense, self._anew)
         self._range = self.give(msg.RangeMeasurement, 'range', qos.MEASUREMENTS)
@@ -47,10 +46,7 @@ class SensingNode(TrackingNode[SensingNodeConfig]):
         return self._stage is not None
 
     def _end(self, end: EpochEnd, now: float) -> None:
-        if end.topic == 'rssi':
-            if end.final:
-                self._final_seq = end.request_seq
-            self._assembly.listing(end, now)
+        self._assembly.end(end, now, lists=end.topic == 'rssi')
 
     def _sense(self, epoch: Epoch) -> None:
         assert self._stage is not None  # the assembly starts with it
@@ -61,7 +57,7 @@ class SensingNode(TrackingNode[SensingNodeConfig]):
         self._counts['sent'] += len(sensed.ranges)
         self._counts['offered'] += len(epoch.measurements)
         self._counts['dropped.invalid'] += sum(reason == Reason.INVALID for reason in sensed.report.reasons)
-        if epoch.request_seq == self._final_seq:
+        if epoch.request_seq == self._assembly.final_seq:
             self.ended = True
             self.report()
 
@@ -73,6 +69,7 @@ class SensingNode(TrackingNode[SensingNodeConfig]):
     def state(self) -> Mapping[str, Any]:
         """Counts of what was heard and sent, and what is waited for."""
         return {
+            'system': 'random_q',
             'epoch': self._assembly.last_seq,
             'waits for': self.waits_for or self._assembly.waits_for,
             **self._counts,

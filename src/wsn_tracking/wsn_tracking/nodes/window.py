@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import bisect
-from collections.abc import Iterable, Sequence
+from collections.abc import Mapping, Sequence
 
 
 class Window:
     """Epochs by index; each watched output reports which one it has reached.
 
-    An output that is silent for `timeout` [s] while epochs wait for it is given up: it is not waited for any
-    more, until it speaks again.
+    `topics` tells each output's target, -1 where that is not known: other targets' epochs pass it by, those before its
+    first included. An output that is silent for `timeout` [s] while epochs wait for it is given up: it is not waited
+    for any more, until it speaks again.
     """
 
-    def __init__(self, topics: Iterable[str], epochs: Sequence[tuple[int, int]], size: int, timeout: float) -> None:
+    def __init__(
+        self, topics: Mapping[str, int], epochs: Sequence[tuple[int, int]], size: int, timeout: float
+    ) -> None:
         self._size, self._timeout = size, timeout
         self._last = len(epochs) - 1
         self._indices: dict[tuple[int, int], list[int]] = {}  # where an epoch is: at several places in a looped bag
@@ -21,11 +24,12 @@ class Window:
             self._indices.setdefault(key, []).append(index)
         self._settled = list(range(len(epochs)))
         following: dict[int, int] = {}
-        for index in reversed(range(len(epochs))):  # an output speaks of one target: other targets' epochs pass it by
+        for index in reversed(range(len(epochs))):
             target_id = epochs[index][0]
             self._settled[index] = following.get(target_id, len(epochs)) - 1
             following[target_id] = index
-        self._reached = dict.fromkeys(topics, -1)
+        firsts = {target: index - 1 for target, index in following.items()}
+        self._reached = {t: -1 if target < 0 else firsts.get(target, self._last) for t, target in topics.items()}
         self._spoke: dict[str, float] = {}
         self._front = -1
         self.given_up: set[str] = set()

@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from wsn_tracking.configuration import Values, load_configuration
+from wsn_tracking.configuration import load_configuration
+from wsn_tracking.parameters import Values
 from wsn_tracking.evaluation.run import summarise
 from wsn_tracking.evaluation.score import Score
 from wsn_tracking.evaluation.summary import Summary, pool_summaries

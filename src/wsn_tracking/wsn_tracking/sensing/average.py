@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 
-from wsn_tracking.sensing.values import NAN, Measurement, Range, RangeBearing, Rssi
+from wsn_tracking.sensing.values import NAN, Epoch, Measurement, Modality, Range, RangeBearing, Rssi
 
 USABLE_DBM = (-127.0, 20.0)  # what a receiver can say; +127 and -128 are how radios spell `no value`
 USABLE_M = 1e5  # no radio of a sensor network reaches so far
@@ -40,6 +40,25 @@ def one_a_node(packets: Iterable[Measurement]) -> tuple[Measurement, ...]:
     for packet in sorted(packets, key=lambda p: (p.node_id, p.seq)):
         by_node.setdefault(packet.node_id, []).append(packet)
     return tuple(_one(same) for same in by_node.values())
+
+
+def without_bearings(epoch: Epoch) -> Epoch:
+    """The epoch for a tracker of ranges: of what has arrived of range and bearing, the range counts."""
+    if not any(isinstance(p, RangeBearing) for p in epoch.measurements):
+        return epoch
+    ranges = (_range_of(p) if isinstance(p, RangeBearing) else p for p in epoch.measurements if _has_arrived(p))
+    return epoch._replace(measurements=tuple(ranges))
+
+
+def _has_arrived(packet: Measurement) -> bool:
+    return not isinstance(packet, RangeBearing) or (packet.arrived and not math.isnan(packet.range))
+
+
+def _range_of(packet: RangeBearing) -> Range:
+    variance = packet.covariance[0]
+    told = variance if 0.0 < variance < USABLE_STD**2 else NAN
+    head = packet.stamp_ns, packet.node_id, packet.target_id, packet.seq, packet.request_seq
+    return Range(*head, Modality.OTHER, packet.range, told)
 
 
 def _one(same: Sequence[Measurement]) -> Measurement:

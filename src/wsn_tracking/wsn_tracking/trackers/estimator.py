@@ -22,8 +22,8 @@ class EstimatorConfig(RandomQConfig):
     nodes: tuple[int, ...] = param((), 'sensing nodes that it hears; empty: all', 'id', 0, 65535)
     input: str = param(
         'auto',
-        'topic that measurements come from; auto: range where somebody publishes it, else rssi',
-        choices=('auto', 'range', 'rssi'),
+        'topic that measurements come from; auto: range, rssi or observation, the first that somebody publishes',
+        choices=('auto', 'range', 'rssi', 'observation'),
     )
     channel: str = param(
         '', 'file of `calibrate` with the radios of the nodes and, for `input` rssi, their map; empty: the anchors tell'

@@ -18,7 +18,7 @@ from wsn_tracking.models.measurement import (
 )
 from wsn_tracking.models.radio import relative_range_std
 from wsn_tracking.models.radio_map import RadioMap, aligned
-from wsn_tracking.sensing.average import usable
+from wsn_tracking.sensing.average import usable, without_bearings
 from wsn_tracking.sensing.values import Epoch, Modality, Range, Rssi
 from wsn_tracking.trackers.random_q_config import UpdateConfig
 
@@ -53,7 +53,7 @@ class MeasurementTable:
         """The readings of an epoch; a packet of an unknown node or with an impossible number is none."""
         kept = [
             (self._rows[p.node_id], p)
-            for p in epoch.measurements
+            for p in without_bearings(epoch).measurements
             if isinstance(p, (Range, Rssi)) and p.node_id in self._rows and usable(p)
         ]
         ids = tuple(p.node_id for _, p in kept)

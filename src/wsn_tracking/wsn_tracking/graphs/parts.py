@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from types import MappingProxyType
+from typing import Any, NamedTuple, Protocol
 
 from wsn_tracking.bags.epochs import with_epoch_ends
 from wsn_tracking.bags.playback import TOPICS
 from wsn_tracking.bags.read import read
 from wsn_tracking.bags.types import truth_target
-from wsn_tracking.configuration import Values
 from wsn_tracking.errors import TrackingError
+from wsn_tracking.parameters import Values
 from wsn_tracking.sensing.recording import Recording
 
+LISTENERS = ('evaluator', 'bag_player', 'bag_recorder', 'world', 'marker')  # sections that every system may have
 LOSS_TIMEOUT = 20.0  # [s] steady time; a feed that waits loses nothing, so this only tells a broken one
 
 
@@ -43,22 +45,63 @@ class Source(NamedTuple):
         """x_min, y_min, x_max, y_max [m]; empty where the feed knows none."""
         return tuple(float(edge) for edge in self.metadata.get('area', '').split())
 
+    def target(self, wanted: int) -> int:
+        """The one target that is tracked: the wanted one, or by default (-1) the first.
+
+        By name: what a node hears first depends on the order of arrival. Raises TrackingError for one that is not there.
+        """
+        if wanted >= 0 and self.targets and wanted not in self.targets:
+            raise TrackingError(f'{self.title} has no target {wanted}: expected one of {list(self.targets)}')
+        return self.targets[0] if wanted < 0 and self.targets else wanted
+
     def of_target(self, target_id: int) -> Source:
-        """The feed of one target alone; -1: all of it."""
-        if target_id < 0:
-            return self
+        """The feed of one target alone."""
         topics = (topic for topic in self.topics if truth_target(topic) in {None, target_id})
         return self._replace(targets=(target_id,), topics=tuple(topics))
 
 
-class Tracked(NamedTuple):
-    """What feed and listeners must know of the nodes that track."""
+class How(NamedTuple):
+    """What a graph is started for: it decides which timeouts there are.
 
-    target_id: int
-    outputs: tuple[str, ...]  # names of the estimates
-    window: tuple[str, ...]  # those that the feed stays close to
-    parameters: Values  # that one configuration gives to all
-    inputs: tuple[str, ...] = ()  # what the evaluator takes besides
+    Player and world wait for the graph, so no timeout of a live network applies, unless `settings` say so; in replay,
+    what is missing is an error. A `live` feed waits for nobody.
+    """
+
+    replay: bool = False
+    live: bool = False
+    settings: Values = MappingProxyType({})
+    one_process_each: bool = False
+
+    def timing(self, **patient: Any) -> dict[str, Any]:
+        """Parameters of patience; `settings` come first."""
+        return {name: self.settings.get(name, value) for name, value in patient.items()}
+
+
+class Plan(Protocol):
+    """One system on one feed."""
+
+    @property
+    def system(self) -> str:
+        """Its name."""
+
+    @property
+    def outputs(self) -> Mapping[str, int]:
+        """Names of the estimates in the order of the table, each with its target."""
+
+    @property
+    def window(self) -> Collection[str]:
+        """Those outputs that the feed stays close to."""
+
+    @property
+    def parameters(self) -> Values:
+        """What its configuration gives to those who listen as well."""
+
+    @property
+    def inputs(self) -> tuple[str, ...]:
+        """What the evaluator takes besides estimates."""
+
+    def processes(self, source: Source, how: How) -> list[Process]:
+        """The processes that track."""
 
 
 def open_bag(bag: str, namespace: str | None = None) -> tuple[Source, Recording]:
@@ -95,67 +138,86 @@ def not_a_number(source: Source, error: ValueError) -> TrackingError:
     return TrackingError(f'{source.title}: its metadata {dict(source.metadata)} holds no number: {error}')
 
 
+def reported(level: str) -> tuple[str, ...]:
+    """What comes beside measurements of that level: reports, where nodes may have stayed silent."""
+    return ('trigger_report',) if level == 'range' else ()
+
+
+def targets_of(plans: Sequence[Plan]) -> tuple[int, ...]:
+    """The targets that are tracked, ascending."""
+    return tuple(sorted({target for plan in plans for target in plan.outputs.values() if target >= 0}))
+
+
 def complete(
     source: Source,
-    tracked: Tracked,
-    tracking: Sequence[Process],
+    plans: Sequence[Plan],
     feed: Process,
+    how: How,
     *,
     evaluator: Values | None = None,
     record: Values | None = None,
     markers: bool = False,
 ) -> tuple[Process, ...]:
     """The processes that track, with their feed; evaluator, recorder and markers where asked for."""
-    processes = list(tracking)
+    processes = [process for plan in plans for process in plan.processes(source, how)]
+    parameters = {name: value for plan in reversed(plans) for name, value in plan.parameters.items()}
+    outputs = {name: target for plan in plans for name, target in plan.outputs.items()}
     if evaluator is not None:
-        processes.append(_evaluator(source, tracked, [p.name for p in processes], evaluator))
+        processes.append(_evaluator(source, plans, parameters, [p.name for p in processes], evaluator))
     if record is not None:
-        processes.append(_recorder(source, tracked, record))
-    window = tuple(f'estimate/{output}' for output in tracked.window)
-    parameters = {
-        **tracked.parameters,
-        **feed.parameters,
-        'expected_nodes': [process.name for process in processes],
-        'window_topics': list(window),
-    }
-    feed = feed._replace(parameters=parameters, takes=window, gives=('anchors', *source.topics))
+        processes.append(_recorder(source, outputs, parameters, record))
+    window = {f'estimate/{name}': outputs[name] for plan in plans for name in plan.window}
+    feed = feed._replace(
+        parameters={
+            **parameters,
+            **feed.parameters,
+            'expected_nodes': [process.name for process in processes],
+            'window_topics': [topic if target < 0 else f'{topic}={target}' for topic, target in window.items()],
+        },
+        takes=tuple(window),
+        gives=('anchors', *source.topics),
+    )
     # who only looks on is neither waited for nor told whom to expect
-    drawn = {**tracked.parameters, 'outputs': list(tracked.outputs)}
+    drawn = {**parameters, 'outputs': list(outputs)}
     onlookers = [Process('marker_node', 'markers', drawn)] if markers else []
     return _matched([*processes, *onlookers, feed])
 
 
-def _evaluator(source: Source, tracked: Tracked, reporting: Sequence[str], values: Values) -> Process:
+def _evaluator(
+    source: Source, plans: Sequence[Plan], parameters: Values, reporting: Sequence[str], values: Values
+) -> Process:
+    outputs = [name for plan in plans for name in plan.outputs]
+    targets = targets_of(plans)
     return Process(
         'evaluator_node',
         'evaluator',
         {
-            **tracked.parameters,
-            'outputs': list(tracked.outputs),
+            **parameters,
+            'outputs': outputs,
             'title': source.title,
-            'target_id': tracked.target_id,
+            **({'targets': list(targets)} if targets else {}),
             'expected_reports': list(reporting),
             **values,
         },
         takes=(
             'epoch_end',
             'anchors',
-            *tracked.inputs,
-            f'truth/target_{tracked.target_id}',
-            *(f'estimate/{output}' for output in tracked.outputs),
+            *dict.fromkeys(topic for plan in plans for topic in plan.inputs),
+            *(f'truth/target_{target}' for target in targets),
+            *(f'estimate/{output}' for output in outputs),
         ),
     )
 
 
-def _recorder(source: Source, tracked: Tracked, values: Values) -> Process:
-    derived = [f'{kind}/{output}' for kind in ('estimate', 'odometry') for output in tracked.outputs]
+def _recorder(source: Source, outputs: Iterable[str], parameters: Values, values: Values) -> Process:
+    derived = [f'{kind}/{output}' for kind in ('estimate', 'odometry') for output in outputs]
     extra = tuple(topic for topic in values.get('extra_topics', derived if values.get('derived') else ()) if topic)
     metadata = [f'{key}={value}' for key, value in source.metadata.items()]
     return Process(
         'bag_recorder_node',
         'bag_recorder',
         {
-            **tracked.parameters,
+            **parameters,
             'entry_level': source.entry_level,
             'targets': sorted({*source.targets, *(truth_target(topic) for topic in source.topics)} - {None}),
             'metadata': metadata or [''],

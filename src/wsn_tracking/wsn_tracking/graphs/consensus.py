@@ -3,21 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from wsn_tracking.configuration import Configuration, Values, load_configuration
-from wsn_tracking.errors import TrackingError
-from wsn_tracking.graph_parts import LOSS_TIMEOUT, Process, Source, Tracked, complete, numbers_of
+from wsn_tracking.configuration import Configuration
+from wsn_tracking.graphs.parts import LISTENERS, LOSS_TIMEOUT, How, Process, Source, numbers_of, reported
 from wsn_tracking.models.anchors import Anchors
 from wsn_tracking.models.graph import adjacency
 from wsn_tracking.node_parameters.consensus import ConsensusNodeConfig
-from wsn_tracking.parameters import build
+from wsn_tracking.parameters import Values, build
 
 CONSENSUS = 'consensus'  # system and configuration
-NODES = ('consensus_node', 'evaluator', 'bag_player', 'bag_recorder', 'world', 'marker')
+NODES = (*LISTENERS, 'consensus_node')
 PROCESSES = 4
 
 
@@ -29,50 +27,73 @@ class ConsensusPlan(NamedTuple):
     neighbours: Mapping[int, tuple[int, ...]]  # of every node
 
     @property
+    def system(self) -> str:
+        """Its name."""
+        return CONSENSUS
+
+    @property
     def target_id(self) -> int:
         """The target that is tracked."""
         return int(self.values['target_id'])
 
     @property
-    def outputs(self) -> tuple[str, ...]:
-        """Names of the estimates."""
-        return tuple(f'consensus_{i}' for i in sorted(i for district in self.districts for i in district))
+    def outputs(self) -> Mapping[str, int]:
+        """Names of the estimates, each with its target."""
+        ids = sorted(i for district in self.districts for i in district)
+        return dict.fromkeys((f'consensus_{i}' for i in ids), self.target_id)
 
+    @property
+    def window(self) -> tuple[str, ...]:
+        """The outputs that the feed stays close to: of one node a process."""
+        return tuple(f'consensus_{ids[-1]}' for ids in self.districts)
 
-def is_consensus(source: Source, trackers: str = '', configuration: str = '') -> bool:
-    """Whether a feed is for system B: when asked for, or by the configuration, or since only that takes bearings."""
-    if trackers not in {'', 'all'}:
-        return trackers == CONSENSUS
-    named = configuration or source.metadata.get('configuration', '')
-    return source.entry_level == 'observation' or Path(named).stem == CONSENSUS
+    @property
+    def parameters(self) -> Values:
+        """What its configuration gives to those who listen as well."""
+        return self.values
+
+    @property
+    def inputs(self) -> tuple[str, ...]:
+        """What the evaluator takes besides estimates."""
+        return ()
+
+    def processes(self, source: Source, how: How) -> list[Process]:
+        """A process for each district, or for each node.
+
+        In replay, rounds wait as long as a share may take to come; live and in simulation, they end in time for the
+        next epoch.
+        """
+        config = build(ConsensusNodeConfig, self.values)
+        timing = how.timing(lossless=False, loss_timeout=0.5 * config.period)
+        if how.replay:
+            patience = LOSS_TIMEOUT / max(config.rounds, 1)
+            timing = how.timing(lossless=True, loss_timeout=LOSS_TIMEOUT, round_timeout=patience)
+        groups = self.districts
+        if how.one_process_each:
+            groups = tuple((i,) for district in groups for i in district)
+        return [_process(ids, k, {**self.values, **timing}, self.neighbours) for k, ids in enumerate(groups, 1)]
 
 
 def plan_consensus(
     source: Source,
     anchors: Anchors,
-    configuration: Configuration | str = '',
+    configuration: Configuration,
     settings: Values | None = None,
     target_id: int = -1,
     processes: int = PROCESSES,
 ) -> ConsensusPlan:
     """Parameters of the nodes: the feed's own first, then the configuration's, then `settings`; all checked."""
-    if isinstance(configuration, str):
-        named = source.metadata.get('configuration', '') if source.entry_level == 'observation' else ''
-        configuration = load_configuration(configuration or named or CONSENSUS)
     configuration.check_sections(NODES)
     values: dict[str, Any] = {
-        'target_id': source.targets[0] if source.targets else -1,
+        'target_id': source.target(-1),
         **numbers_of(source, target_height=('target_height', 1.0), period=('period', 1.0)),
         **configuration.of('consensus_node'),
         **(settings or {}),
         **({'target_id': target_id} if target_id >= 0 else {}),
         'input': source.entry_level,
     }
+    values['target_id'] = source.target(values['target_id'])
     radius = build(ConsensusNodeConfig, values).checked().radius
-    if source.targets and values['target_id'] not in source.targets:
-        raise TrackingError(
-            f'{source.title} has no target {values["target_id"]}: expected one of {list(source.targets)}'
-        )
     near = {
         i: tuple(anchors.ids[row].tolist())
         for i, row in zip(anchors.ids.tolist(), adjacency(anchors.positions, radius), strict=True)
@@ -92,41 +113,8 @@ def districts(anchors: Anchors, count: int) -> tuple[tuple[int, ...], ...]:
     return tuple(group for rows, n in parts for group in districts(anchors.select(anchors.ids[rows]), n))
 
 
-def consensus_graph(
-    source: Source,
-    plan: ConsensusPlan,
-    feed: Process,
-    *,
-    replay: bool = False,
-    settings: Values | None = None,
-    evaluator: Values | None = None,
-    record: Values | None = None,
-    one_process_each: bool = False,
-    markers: bool = False,
-) -> tuple[Process, ...]:
-    """Feed, nodes (a process for each district, or for each node), evaluator; a recorder and markers where asked for.
-
-    In replay, what is missing from the input is an error, and rounds wait as long as a share may take to come; live
-    and in simulation, they end in time for the next epoch.
-    """
-    config = build(ConsensusNodeConfig, plan.values)
-    patient = {'lossless': False, 'loss_timeout': 0.5 * config.period}
-    if replay:
-        patient = {'lossless': True, 'loss_timeout': LOSS_TIMEOUT}
-        patient['round_timeout'] = LOSS_TIMEOUT / max(config.rounds, 1)
-    values = {**plan.values, **{name: (settings or {}).get(name, value) for name, value in patient.items()}}
-    groups = plan.districts
-    if one_process_each:
-        groups = tuple((i,) for district in groups for i in district)
-    processes = [_process(ids, number, values, plan.neighbours) for number, ids in enumerate(groups, 1)]
-    window = tuple(f'consensus_{ids[-1]}' for ids in groups)
-    tracked = Tracked(plan.target_id, plan.outputs, window, plan.values)
-    return complete(source, tracked, processes, feed, evaluator=evaluator, record=record, markers=markers)
-
-
 def _process(ids: Sequence[int], number: int, values: Values, neighbours: Mapping[int, tuple[int, ...]]) -> Process:
     foreign = sorted({j for i in ids for j in neighbours[i]} - set(ids))
-    reports = ('trigger_report',) if values['input'] == 'range' else ()
     return Process(
         'consensus_node',
         f'consensus_nodes_{number}',
@@ -136,7 +124,7 @@ def _process(ids: Sequence[int], number: int, values: Values, neighbours: Mappin
             'epoch_end',
             'anchors',
             str(values['input']),
-            *reports,
+            *reported(str(values['input'])),
             *(f'consensus/node_{j}' for j in foreign),
         ),
         gives=tuple(

@@ -1,0 +1,25 @@
+"""One table a graph: its processes, their parameters, what they take and give.
+
+The launch files and the command line start what these functions return; the evaluator runs the same plans
+without any process. Nothing here knows ROS beyond names.
+"""
+
+from wsn_tracking.graphs.parts import How, Plan, Process, Source, open_bag, source_of
+from wsn_tracking.graphs.plans import SYSTEMS, configuration_of, plans_of, system_of
+from wsn_tracking.graphs.whole import replay, serial, simulation
+
+__all__ = [
+    'SYSTEMS',
+    'How',
+    'Plan',
+    'Process',
+    'Source',
+    'configuration_of',
+    'open_bag',
+    'plans_of',
+    'replay',
+    'serial',
+    'simulation',
+    'source_of',
+    'system_of',
+]

@@ -1,0 +1,75 @@
+"""Which systems track on a feed, and by which configuration each."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from wsn_tracking.configuration import Configuration, configuration_names, load_configuration
+from wsn_tracking.errors import TrackingError
+from wsn_tracking.graphs.consensus import CONSENSUS, plan_consensus
+from wsn_tracking.graphs.parts import Plan, Source
+from wsn_tracking.graphs.random_q import RANDOM_Q, plan_random_q
+from wsn_tracking.graphs.single import CONFIGS, plan_single
+from wsn_tracking.models.anchors import Anchors
+from wsn_tracking.parameters import Values
+
+SYSTEMS = (RANDOM_Q, CONSENSUS, *CONFIGS)
+ALL = 'all'
+
+
+def system_of(configuration: str) -> str:
+    """The system that a configuration is for, by its name: that begins with it, or is of random_q."""
+    stem = Path(configuration).stem
+    return next((s for s in SYSTEMS if stem == s or stem.startswith(f'{s}_')), RANDOM_Q)
+
+
+def systems_of(source: Source, trackers: str = '', configuration: str = '') -> tuple[str, ...]:
+    """The systems in `trackers`, a comma between them; `all` is every one; empty: the one that the feed is for.
+
+    That is the system of the configuration, or of the one that the feed names; bearings are for consensus.
+    """
+    if trackers == ALL:
+        return SYSTEMS
+    if not trackers:
+        named = configuration or source.metadata.get('configuration', '')
+        return (CONSENSUS if source.entry_level == 'observation' and not configuration else system_of(named),)
+    asked = tuple(dict.fromkeys(trackers.split(',')))
+    for system in asked:
+        if system not in SYSTEMS:
+            raise TrackingError(f'there is no system `{system}`: expected some of {", ".join(SYSTEMS)}, or {ALL}')
+    return asked
+
+
+def configuration_of(system: str, source: Source) -> str:
+    """The configuration of a system for a feed: the one that the feed names, if it is of that system; else
+    <system>_<that name>, if there is one, else <system>."""
+    named = source.metadata.get('configuration', '')
+    if named and system_of(named) == system and (system != RANDOM_Q or named in configuration_names()):
+        return named
+    special = f'{system}_{named}'
+    return special if special in configuration_names() else system
+
+
+def plans_of(
+    source: Source,
+    anchors: Anchors,
+    trackers: str = '',
+    configuration: Configuration | str = '',
+    settings: Values | None = None,
+    target_id: int = -1,
+) -> tuple[Plan, ...]:
+    """The plan of each system (see `systems_of`); a configuration by name or path is for all of them."""
+    name = configuration if isinstance(configuration, str) else ''
+    plans: list[Plan] = []
+    for system in systems_of(source, trackers, name):
+        chosen = configuration
+        if isinstance(chosen, str):
+            chosen = load_configuration(chosen or configuration_of(system, source))
+        if system == RANDOM_Q:
+            plans.append(plan_random_q(source, chosen, settings, target_id))
+        elif system == CONSENSUS:
+            plans.append(plan_consensus(source, anchors, chosen, settings, target_id))
+        else:
+            plans.append(plan_single(system, source, chosen, settings, target_id))
+    return tuple(plans)

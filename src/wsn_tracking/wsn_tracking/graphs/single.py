@@ -1,0 +1,93 @@
+"""Graphs of the systems that are one node: the human, the hybrid and the loss-tolerant tracker."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+from wsn_tracking.configuration import Configuration
+from wsn_tracking.graphs.parts import LISTENERS, LOSS_TIMEOUT, How, Process, Source, numbers_of, reported
+from wsn_tracking.node_parameters.trackers import HumanNodeConfig, HybridNodeConfig, LossTolerantNodeConfig, TrackerNodeConfig
+from wsn_tracking.parameters import Values, build
+
+CONFIGS: Mapping[str, type[TrackerNodeConfig]] = {
+    'human': HumanNodeConfig,
+    'hybrid': HybridNodeConfig,
+    'loss_tolerant': LossTolerantNodeConfig,
+}
+
+
+class SinglePlan(NamedTuple):
+    """One such system on one feed."""
+
+    system: str
+    values: Values
+    targets: tuple[int, ...]
+
+    @property
+    def config(self) -> TrackerNodeConfig:
+        """The parameters of its node."""
+        return build(CONFIGS[self.system], self.values).checked()
+
+    @property
+    def outputs(self) -> Mapping[str, int]:
+        """Names of the estimates, each with its target."""
+        config = self.config
+        return {name: target for target in self.targets for name in config.outputs(target)}
+
+    @property
+    def window(self) -> tuple[str, ...]:
+        """The outputs that the feed stays close to: the first of each target."""
+        config = self.config
+        return tuple(config.outputs(target)[0] for target in self.targets)
+
+    @property
+    def parameters(self) -> Values:
+        """What its configuration gives to those who listen as well."""
+        return self.values
+
+    @property
+    def inputs(self) -> tuple[str, ...]:
+        """What the evaluator takes besides estimates."""
+        return ()
+
+    def processes(self, source: Source, how: How) -> list[Process]:
+        """The node."""
+        timing = how.timing(lossless=how.replay)
+        if not how.live:
+            timing = how.timing(lossless=how.replay, loss_timeout=LOSS_TIMEOUT)
+        measured = str(self.values['input'])
+        return [
+            Process(
+                f'{self.system}_tracker_node',
+                f'{self.system}_tracker',
+                {**self.values, **timing},
+                takes=('request', 'epoch_end', 'anchors', measured, *reported(measured)),
+                gives=tuple(f'{kind}/{name}' for kind in ('estimate', 'odometry') for name in self.outputs),
+            )
+        ]
+
+
+def plan_single(
+    system: str, source: Source, configuration: Configuration, settings: Values | None = None, target_id: int = -1
+) -> SinglePlan:
+    """Parameters of the node: the feed's own first, then the configuration's, then `settings`; all checked."""
+    node = f'{system}_tracker'
+    configuration.check_sections([*LISTENERS, node, f'{node}_node'])
+    area = {'area': list(source.area)} if source.area else {}
+    values: dict[str, Any] = {
+        **area,
+        **numbers_of(source, target_height=('target_height', 1.0), period=('period', 1.0)),
+        **configuration.of(node),
+        **configuration.of(f'{node}_node'),
+        **(settings or {}),
+        **({'target_id': target_id} if target_id >= 0 else {}),
+        'input': source.entry_level,
+    }
+    config = build(CONFIGS[system], values).checked()
+    targets = (source.target(config.target_id),)
+    if config.several and config.target_id < 0:
+        targets = source.targets or targets
+    else:
+        values['target_id'] = targets[0]
+    return SinglePlan(system, {**values, 'targets': list(targets)} if config.several else values, targets)

@@ -1,0 +1,116 @@
+"""Graphs as they are started: a feed, the systems that track on it, and who listens."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from wsn_tracking.configuration import load_configuration
+from wsn_tracking.graphs.parts import How, Process, Source, complete, open_bag, source_of, targets_of
+from wsn_tracking.graphs.plans import plans_of
+from wsn_tracking.graphs.random_q import BRIDGE, plan_random_q
+from wsn_tracking.node_parameters.serial import SerialBridgeConfig
+from wsn_tracking.parameters import Values, build
+from wsn_tracking.simulation.record import record as record_scenario
+from wsn_tracking.simulation.scenarios import scenario
+
+
+def replay(
+    bag: str,
+    *,
+    rate: float = 1.0,
+    trackers: str = '',
+    configuration: str = '',
+    settings: Values | None = None,
+    target_id: int = -1,
+    namespace: str | None = None,
+    evaluator: Values | None = None,
+    record: Values | None = None,
+    one_process_each: bool = False,
+    markers: bool = False,
+    progress: bool = False,
+) -> tuple[Process, ...]:
+    """A bag through the live graph of its systems; rate 0 is as fast as it goes."""
+    source, recording = open_bag(bag, namespace)
+    plans = plans_of(source, recording.anchors, trackers, configuration, settings, target_id)
+    targets = targets_of(plans)
+    if len(targets) == 1:
+        source = source.of_target(*targets)
+    feed = Process(
+        'bag_player_node',
+        'bag_player',
+        {
+            'bag': str(Path(bag).resolve()),
+            'rate': rate,
+            'namespace': namespace or '',
+            'progress': progress,
+            'target_id': targets[0] if len(targets) == 1 else -1,
+        },
+    )
+    return complete(
+        source,
+        plans,
+        feed,
+        How(replay=True, settings=settings or {}, one_process_each=one_process_each),
+        evaluator=evaluator or {},
+        record=record,
+        markers=markers,
+    )
+
+
+def simulation(
+    name: str,
+    seed: int = 0,
+    *,
+    rate: float = 1.0,
+    start_stamp: float = 0.0,
+    trackers: str = '',
+    configuration: str = '',
+    settings: Values | None = None,
+    evaluator: Values | None = None,
+    record: str = '',
+    one_process_each: bool = False,
+    markers: bool = False,
+) -> tuple[Process, ...]:
+    """A simulated world and the live graph of its systems; the world sends as slowly as the graph needs."""
+    recording = record_scenario(scenario(name, seed=seed), seed)
+    source = source_of(name, recording)
+    return complete(
+        source,
+        plans_of(source, recording.anchors, trackers, configuration, settings),
+        Process('world_node', 'world', {'scenario': name, 'seed': seed, 'rate': rate, 'start_stamp': start_stamp}),
+        How(settings=settings or {}, one_process_each=one_process_each),
+        evaluator=evaluator or {},
+        record={'output': str(Path(record).resolve())} if record else None,
+        markers=markers,
+    )
+
+
+def serial(
+    configuration: str = BRIDGE,
+    *,
+    settings: Values | None = None,
+    evaluator: Values | None = None,
+    record: str = '',
+    markers: bool = False,
+) -> tuple[Process, ...]:
+    """A sink on a serial line and the live graph of system A; an evaluator only where somebody publishes the truth."""
+    loaded = load_configuration(configuration)
+    given = {**loaded.of(BRIDGE), **(settings or {})}
+    bridge = build(SerialBridgeConfig, given)
+    source = Source(
+        title='serial',
+        entry_level='rssi',
+        ids=bridge.anchors.ids,
+        targets=(),
+        metadata={'period': f'{bridge.period:g}'},
+        topics=('request', 'rssi', 'epoch_end'),
+    )
+    return complete(
+        source,
+        [plan_random_q(source, loaded, settings)],
+        Process('serial_bridge_node', BRIDGE, given),
+        How(live=True, settings=settings or {}),
+        evaluator=evaluator,
+        record={'output': str(Path(record).resolve())} if record else None,
+        markers=markers,
+    )
