@@ -50,7 +50,7 @@ def update(
 
     def one_pass(prior: Belief, about: Belief, z: Floats, root_R: Floats) -> Belief:
         r = predicted_readings(prior, about, h, kappa, offsets, seen)
-        return _condition(prior, z, np.isnan(z), r, root_R, form)
+        return condition(prior, z, r, root_R, form)
 
     posterior = belief
     for _ in range(passes):
@@ -83,7 +83,9 @@ def predicted_readings(
     return Regression(z_hat + prior.m[..., lead:], O, r.E)
 
 
-def _condition(prior: Belief, z: Floats, missing: Mask, r: Regression, root_R: Floats, form: str) -> Belief:
+def condition(prior: Belief, z: Floats, r: Regression, root_R: Floats, form: str = 'gram') -> Belief:
+    """The posterior of z (..., N), NaN where nothing was read, once h is as linear as `r` says about the prior."""
+    missing = np.isnan(z)
     if form == 'qr':
         return qr.condition(prior, z, missing, r, root_R)
     fast = gram.condition(prior, z, missing, r, root_R)

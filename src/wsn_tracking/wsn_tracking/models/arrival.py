@@ -1,4 +1,7 @@
-"""Whether an observation arrives, as a two-state Markov chain: 1 it arrives, 0 it is lost (seed 002, section 1)."""
+"""Whether an observation arrives, as a two-state Markov chain: 1 it arrives, 0 it is lost (seed 002, section 1).
+
+Bernoulli losses (seed 004) are the chain that forgets.
+"""
 
 from __future__ import annotations
 
@@ -6,6 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from wsn_tracking.errors import TrackingError
 from wsn_tracking.models.anchors import Floats, Mask
 
 CLIP = 1e-6  # a probability that is kept for the next epoch stays this far from 0 and 1: no state is ruled out for good
@@ -28,6 +32,28 @@ def chain(arrival: Arrival, uniform: Floats) -> Mask:
     for k in range(1, r.shape[-2]):
         r[..., k, :] = uniform[..., k, :] < np.where(r[..., k - 1, :], 1.0 - arrival.p, arrival.q)
     return r
+
+
+def bernoulli(rate: float) -> Arrival:
+    """Losses that know nothing of each other: each observation is lost with probability `rate` (seed 004)."""
+    return Arrival(rate, 1.0 - rate, 1.0 - rate)
+
+
+def bursts(rate: float, length: float) -> Arrival:
+    """The stationary chain that loses a share `rate` in the long run, `length` epochs in a row on the average.
+
+    A loss ends with q = 1 / length, and p = q rate / (1 - rate). Losses that are shorter than Bernoulli's, 1 / (1 - rate)
+    epochs, would have to avoid each other: TrackingError.
+    """
+    if not 0.0 <= rate < 1.0:
+        raise TrackingError(f'losses in bursts have a rate of {rate:g}: expected 0 or more and less than 1')
+    if not length * (1.0 - rate) >= 1.0 - 1e-9:
+        raise TrackingError(
+            f'bursts of {length:g} epochs at a loss of {rate:g}: already independent losses last '
+            f'{1.0 / (1.0 - rate):.3g} epochs in a row; take bursts at least as long, or none'
+        )
+    q = 1.0 / length
+    return Arrival(min(q * rate / (1.0 - rate), 1.0), q, 1.0 - rate)
 
 
 def predicted(arrival: Arrival, mu: Floats) -> Floats:

@@ -1,4 +1,4 @@
-"""Radio links between nodes that lose what is sent, and networks that part."""
+"""Radio links that lose what is sent, to the sink or between nodes, and networks that part."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from wsn_tracking.models.anchors import Floats, Mask
+from wsn_tracking.models.arrival import Arrival, bernoulli, bursts, chain
 
 GOLDEN = 0x9E3779B97F4A7C15  # the increment of SplitMix64, and its two multipliers
 FIRST, SECOND = 0xBF58476D1CE4E5B9, 0x94D049BB133111EB
@@ -30,6 +31,27 @@ def _mixed(h: NDArray[np.uint64]) -> NDArray[np.uint64]:
     h = (h ^ (h >> np.uint64(30))) * np.uint64(FIRST)
     h = (h ^ (h >> np.uint64(27))) * np.uint64(SECOND)
     return h ^ (h >> np.uint64(31))
+
+
+class Loss(NamedTuple):
+    """How what a network sends to its sink gets lost (seed 004: gamma)."""
+
+    rate: float = 0.0  # share that is lost in the long run
+    burst: float = 0.0  # mean number of epochs in a row that a loss lasts; 0: losses know nothing of each other
+    whole_round: bool = False  # all nodes of an epoch together, not each link on its own
+
+    def arrival(self) -> Arrival:
+        """The chain of one link, or of the whole round."""
+        return bursts(self.rate, self.burst) if self.burst else bernoulli(self.rate)
+
+
+def gamma(loss: Loss, uniform: Floats) -> Mask:
+    """Which readings arrive, (..., K, N) of uniform draws (..., K, N): True where gamma = 1.
+
+    Of a whole round the first node's draw decides.
+    """
+    one = uniform[..., :1] if loss.whole_round else uniform
+    return np.broadcast_to(chain(loss.arrival(), one), uniform.shape)
 
 
 class Links(NamedTuple):

@@ -1,4 +1,4 @@
-"""Process noise as a square root: chol_Q with Q = chol_Q chol_Q', states [x, y, vx, vy]."""
+"""Process noise as a square root: chol_Q with Q = chol_Q chol_Q', states [x, y, vx, vy], and w [rad/s] of a turn."""
 
 from __future__ import annotations
 
@@ -30,3 +30,17 @@ def white_acceleration(spectral_density: ArrayLike, dt: ArrayLike) -> Floats:
     """
     S, T = np.asarray(spectral_density, dtype=np.float64), np.asarray(dt, dtype=np.float64)
     return np.asarray(np.sqrt(S * T)[..., None, None] * (T[..., None, None] * GROWING + STEADY))
+
+
+def turn_noise(acceleration_std: ArrayLike, turn_std: ArrayLike, dt: ArrayLike) -> Floats:
+    """A root of Q = blkdiag(sv^2 (G x I2), sw^2 T), G = [[T^4/4, T^3/2], [T^3/2, T^2]], shape (..., 5, 5).
+
+    sv [m/s^2] is an acceleration that lasts the step; the turn rate is a random walk of sw [rad/s] in a second, which
+    is the sw of the document at its T = 1 s. The root is as singular as Q is: two columns are zero.
+    """
+    sv, sw, T = (np.asarray(v, dtype=np.float64) for v in (acceleration_std, turn_std, dt))
+    root = np.zeros((*np.broadcast_shapes(sv.shape, sw.shape, T.shape), 5, 5))
+    root[..., 0, 0] = root[..., 1, 1] = 0.5 * sv * T * T
+    root[..., 2, 0] = root[..., 3, 1] = sv * T
+    root[..., 4, 4] = sw * np.sqrt(T)
+    return root

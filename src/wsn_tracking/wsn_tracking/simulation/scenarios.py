@@ -13,6 +13,7 @@ from wsn_tracking.models.anchors import Anchors, Floats, make_anchors
 from wsn_tracking.models.draws import keyed
 from wsn_tracking.parameters import build, specs
 from wsn_tracking.simulation.b_field import FieldConfig, b_field
+from wsn_tracking.simulation.e_loss import LossConfig, e_loss
 from wsn_tracking.simulation.paths import circle, headings_inside, polygon_loop
 from wsn_tracking.simulation.scenario import Scenario
 from wsn_tracking.simulation.world import WORLD, rssi_packets
@@ -81,9 +82,10 @@ SCENARIOS: Mapping[str, Callable[..., Scenario]] = {
     'a_circle': a_circle,
     'a_heading': a_heading,
     'b_field': b_field,
+    'e_loss': e_loss,
 }
 BY_SEED = ('a_heading',)  # those whose walk is drawn by the seed of the recording
-PARAMETERS: Mapping[str, type[Any]] = {'b_field': FieldConfig}  # of those that have any
+PARAMETERS: Mapping[str, type[Any]] = {'b_field': FieldConfig, 'e_loss': LossConfig}  # of those that have any
 
 
 def scenario(name: str, settings: Mapping[str, Any] | None = None, seed: int = 0) -> Scenario:
