@@ -101,6 +101,27 @@ def test_who_was_silent_and_speaks_too_late_is_waited_for_in_the_next_epoch():
     assert left.nodes[2].awaited == (3,)
 
 
+@pytest.mark.parametrize(('again', 'awaited'), [(False, (3,)), (True, ())])
+def test_a_node_that_lags_by_an_epoch_is_waited_for_again_but_one_that_repeats_itself_is_not(again, awaited):
+    """Node 3 has died; what comes of it in a later epoch is news of an earlier one, or was heard before."""
+    left, right = groups_of((1, 2), (3, 4))
+    right.begin(epoch_of(0, Z))
+    first = next(said for said in right.advance(0.0) if isinstance(said, Share) and said.node_id == 3)
+    for k in range(CONFIG.silent_epochs + 2):
+        left.begin(epoch_of(k, Z))
+        if k == 0:
+            left.receive(first)
+        for t in range(CONFIG.rounds + 1):
+            left.look_at_time(10.0 * k + t)
+            list(left.advance(10.0 * k + t))
+    assert left.nodes[2].inbox.active == (1,)
+    left.receive(first if again else first._replace(request_seq=3, stamp_ns=epoch_of(3, Z).stamp_ns))
+    left.begin(epoch_of(CONFIG.silent_epochs + 2, Z))
+    list(left.advance(100.0))
+    assert left.nodes[2].awaited == awaited
+    assert left.counters['foreign_epoch'] == 1
+
+
 def test_epochs_queue_and_are_forgotten_by_a_reset():
     left, _ = groups_of((1, 2), (3, 4))
     for k in range(3):

@@ -40,13 +40,14 @@ class Inbox:
         self._shares: dict[tuple[int, int], Share] = {}  # by round and node
         self._answered: set[tuple[int, int]] = set()  # what has come, of use or not
         self._heard: set[int] = set()
+        self._latest: dict[int, tuple[int, int]] = {}  # stamp and round in which a neighbour has spoken last
         self._ahead: list[Share] = []
 
     def open(self, epoch: Epoch) -> None:
         """An epoch begins; whoever was not heard since the last one began has been silent for one more.
 
-        A share that came too late for its round still tells that its node is alive: a node that comes back is late in
-        the eyes of those that do not wait for it.
+        A share that came too late for its round, or even for its epoch, still tells that its node is alive: a node that
+        comes back is late in the eyes of those that do not wait for it.
         """
         if self._epoch is not None:
             self._silent = {i: 0 if i in self._heard else n + 1 for i, n in self._silent.items()}
@@ -74,6 +75,8 @@ class Inbox:
                 self.counters['share_overflow'] += 1
         elif self._epoch[:3] != (share.target_id, share.request_seq, share.stamp_ns):
             self.counters['foreign_epoch'] += 1
+            if share.target_id == self._epoch.target_id and share.node_id not in self._cut and self._is_news(share):
+                self._heard.add(share.node_id)  # it goes through an earlier epoch only now: late, but alive
         else:
             self._take(share)
 
@@ -84,6 +87,7 @@ class Inbox:
             self._answered.add(at)
             return
         self._heard.add(share.node_id)
+        self._is_news(share)
         if not self._round <= share.round < self._rounds:
             self.counters['late_share'] += 1
         elif at in self._answered:
@@ -96,6 +100,14 @@ class Inbox:
                 self.counters['lost_share'] += 1
             else:
                 self._shares[at] = share
+
+    def _is_news(self, share: Share) -> bool:
+        """Whether its node says what comes after all that it has said; remembers it."""
+        at = share.stamp_ns, share.round
+        if at <= self._latest.get(share.node_id, (-1, -1)):
+            return False
+        self._latest[share.node_id] = at
+        return True
 
     @property
     def awaited(self) -> tuple[int, ...]:
