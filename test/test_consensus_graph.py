@@ -12,7 +12,8 @@ from observer import observing
 from wsn_tracking import graphs
 from wsn_tracking.bags.estimates import read_estimates
 from wsn_tracking.bags.save import save
-from wsn_tracking.graphs_consensus import consensus_graph, plan_consensus
+from wsn_tracking.configuration import load_configuration
+from wsn_tracking.graphs.consensus import plan_consensus
 from wsn_tracking.nodes import qos
 from wsn_tracking.offline import offline
 from wsn_tracking.simulation.b_field import FieldConfig, b_field
@@ -31,10 +32,11 @@ def bag_of(folder, epochs):
 def halves(bag, *, settings=None, record=None, rate=0.0):
     """The graph of a bag with the nodes in two processes."""
     source, recording = graphs.open_bag(str(bag))
-    plan = plan_consensus(source, recording.anchors, settings=settings, processes=2)
+    plan = plan_consensus(source, recording.anchors, load_configuration('consensus'), settings, processes=2)
     assert [len(district) for district in plan.districts] == [5, 5]
     feed = graphs.Process('bag_player_node', 'bag_player', {'bag': str(bag), 'rate': rate})
-    return plan, consensus_graph(source, plan, feed, replay=True, settings=settings, evaluator={}, record=record)
+    how = graphs.How(replay=True, settings=settings or {})
+    return plan, graphs.complete(source, [plan], feed, how, evaluator={}, record=record)
 
 
 @pytest.mark.parametrize('scheme', ['icf', 'flood'])

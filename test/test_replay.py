@@ -44,7 +44,8 @@ def bags(tmp_path_factory):
 
 def replayed(bag, rate, folder, *, one_process_each=False):
     """Estimates that the live graph published."""
-    outputs = graphs.plan_random_q(graphs.open_bag(str(bag))[0]).outputs
+    source, recording = graphs.open_bag(str(bag))
+    outputs = graphs.plans_of(source, recording.anchors)[0].outputs
     record = {'output': str(folder), 'extra_topics': [f'estimate/{output}' for output in outputs]}
     graph = graphs.replay(str(bag), rate=rate, record=record, one_process_each=one_process_each)
     with live.private_domain() as environment, live.started(graph, environment) as running:

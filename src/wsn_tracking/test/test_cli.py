@@ -113,7 +113,6 @@ def test_help_shows_examples_that_are_right(call, command):
         ('evaluate x --skip soon', 'is no time'),
         ('evaluate x --target -1', 'is no target: expected an id from 0 to 65535'),
         ('evaluate x --target 65536', 'is no target'),
-        ('evaluate x --trackers none', "invalid choice: 'none'"),
         ('evaluate x --sett a=b', 'unrecognized arguments'),
         ('replay x --rate 0', 'is no speed: expected a positive multiple of real time, or max'),
         ('replay x --rate fast', 'is no speed'),

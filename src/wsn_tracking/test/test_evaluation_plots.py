@@ -44,7 +44,7 @@ def outputs(names=('local_1', 'fused_1')):
 def test_three_pngs_of_a_sensible_size(tmp_path, anchors):
     pytest.importorskip('matplotlib')
     truth, _ = noisy_track()
-    written = plot_all(tmp_path / 'plots', anchors, {1: truth}, outputs(), AREA, title='a_loop')
+    written = plot_all(tmp_path / 'plots', anchors, {7: truth}, outputs(), AREA, title='a_loop')
     assert [path.name for path in written] == ['map.png', 'error.png', 'nees.png']
     assert sorted(path.name for path in (tmp_path / 'plots').iterdir()) == [
         'error.png',
@@ -80,7 +80,7 @@ def test_a_border_point_of_the_ellipse_has_the_nees_of_the_95_percent_quantile()
 
 def test_map_has_equal_axes_units_and_a_legend_of_every_output(figures, anchors):
     truth, _ = noisy_track()
-    plot_map.plot_map('map.png', anchors, {1: truth}, outputs(), AREA)
+    plot_map.plot_map('map.png', anchors, {7: truth}, outputs(), AREA)
     (axes,) = figures[0].axes
     assert axes.get_aspect() == 1.0
     assert (axes.get_xlabel(), axes.get_ylabel()) == ('x [m]', 'y [m]')
@@ -93,22 +93,20 @@ def test_map_has_equal_axes_units_and_a_legend_of_every_output(figures, anchors)
 def test_map_keeps_the_room_in_view_when_a_track_is_lost(figures, anchors):
     truth = line_truth(10, speed=(0.1, 0.1))
     lost = track(truth, np.full((10, 2), 1e4), np.eye(2))
-    plot_map.plot_map('map.png', anchors, {1: truth}, {'lost': lost}, AREA)
+    plot_map.plot_map('map.png', anchors, {7: truth}, {'lost': lost}, AREA)
     assert figures[0].axes[0].get_xlim()[1] < 20.0
 
 
 def test_ellipses_can_be_asked_of_any_output_and_default_to_a_known_one(figures, anchors):
     truth = line_truth()
     unsure = track(truth, np.zeros((30, 2)))
-    plot_map.plot_map('map.png', anchors, {1: truth}, {'mean': unsure, **outputs(['local_1'])}, ellipses_of=None)
-    plot_map.plot_map('map.png', anchors, {1: truth}, outputs(), ellipses_of='local_1')
-    plot_map.plot_map('map.png', anchors, {1: truth}, {'mean': unsure})
-    told = [
-        [text.get_text() for text in f.legends[0].get_texts() if '95' in text.get_text()] for f in figures
-    ]
+    plot_map.plot_map('map.png', anchors, {7: truth}, {'mean': unsure, **outputs(['local_1'])}, ellipses_of=None)
+    plot_map.plot_map('map.png', anchors, {7: truth}, outputs(), ellipses_of='local_1')
+    plot_map.plot_map('map.png', anchors, {7: truth}, {'mean': unsure})
+    told = [[text.get_text() for text in f.legends[0].get_texts() if '95' in text.get_text()] for f in figures]
     assert told == [['95 % of local_1'], ['95 % of local_1'], []]
     with pytest.raises(TrackingError, match=r'no output fused_9: .* local_1, fused_1'):
-        plot_map.plot_map('map.png', anchors, {1: truth}, outputs(), ellipses_of='fused_9')
+        plot_map.plot_map('map.png', anchors, {7: truth}, outputs(), ellipses_of='fused_9')
 
 
 def test_many_nodes_are_drawn_without_their_numbers(figures):
@@ -122,7 +120,7 @@ def test_many_nodes_are_drawn_without_their_numbers(figures):
 def test_error_figure_has_a_panel_an_axis_and_output_with_its_band(figures):
     truth, _ = noisy_track()
     tracks = {**outputs(), 'mean': track(truth, np.zeros((60, 2)))}
-    plot_errors('error.png', {1: truth}, tracks)
+    plot_errors('error.png', {7: truth}, tracks)
     axes = figures[0].axes
     assert len(axes) == 6
     assert axes[0].get_ylabel() == 'error [m]'
@@ -136,7 +134,7 @@ def test_nees_figure_tells_the_mean_and_marks_what_is_beyond_the_axis(figures):
     truth, estimates = noisy_track()
     liar = [e._replace(covariance=e.covariance / 50.0) for e in estimates]
     silent = track(truth, np.zeros((60, 2)))
-    plot_nees('nees.png', {1: truth}, {'good': estimates, 'liar': liar, 'mean': silent})
+    plot_nees('nees.png', {7: truth}, {'good': estimates, 'liar': liar, 'mean': silent})
     good, bad = (axes.get_title(loc='left') for axes in figures[0].axes)
     assert ' in [' in good
     assert ' outside [' in bad
@@ -148,17 +146,15 @@ def test_nees_figure_tells_the_mean_and_marks_what_is_beyond_the_axis(figures):
 @pytest.mark.parametrize('tracks', [{}, {'mean': None}, {'human': []}])
 def test_nothing_to_draw_is_an_empty_figure_and_no_error(figures, tracks, anchors, tmp_path):
     truth = line_truth()
-    known = {
-        name: track(truth, np.zeros((30, 2))) if value is None else value for name, value in tracks.items()
-    }
-    plot_all(tmp_path, anchors, {1: truth}, known)
+    known = {name: track(truth, np.zeros((30, 2))) if value is None else value for name, value in tracks.items()}
+    plot_all(tmp_path, anchors, {7: truth}, known)
     assert len(figures) == 3
 
 
 def test_a_run_that_is_all_skipped_is_still_drawn(figures):
     truth, estimates = noisy_track()
-    plot_nees('nees.png', {1: truth}, {'human': estimates}, skip_s=1e6)
-    plot_errors('error.png', {1: truth}, {'human': estimates}, skip_s=0.0)
+    plot_nees('nees.png', {7: truth}, {'human': estimates}, skip_s=1e6)
+    plot_errors('error.png', {7: truth}, {'human': estimates}, skip_s=0.0)
     told = [text.get_text() for text in figures[1].legends[0].get_texts()]
     assert len(figures) == 2
     assert 'not scored' not in told
@@ -167,7 +163,7 @@ def test_a_run_that_is_all_skipped_is_still_drawn(figures):
 def test_more_outputs_than_a_figure_holds_are_cut_and_said(figures):
     truth, estimates = noisy_track(epochs=8)
     many = {f'consensus_{i}': estimates for i in range(50)}
-    plot_errors('error.png', {1: truth}, many)
+    plot_errors('error.png', {7: truth}, many)
     assert len(figures[0].axes) == 2 * plot_style.MOST
     assert 'first 12 of 50 outputs' in figures[0].get_suptitle()
 

@@ -12,7 +12,7 @@ from wsn_tracking.bags.playback import playback
 from wsn_tracking.bags.save import save
 from wsn_tracking.configuration import load_configuration
 from wsn_tracking.errors import TrackingError
-from wsn_tracking.graphs import Process, Source, plan_random_q, random_q_graph, source_of
+from wsn_tracking.graphs import How, Process, Source, complete, plans_of, source_of
 from wsn_tracking.node_parameters.common import NodeConfig
 from wsn_tracking.node_parameters.executables import EXECUTABLES
 from wsn_tracking.parameters import build
@@ -35,8 +35,14 @@ def source(recording=None, **metadata):
     return s._replace(metadata={**s.metadata, **metadata})
 
 
-def graph(s, plan=None, **options):
-    return random_q_graph(s, plan or plan_random_q(s), FEED, replay=True, **options)
+def planned(s, configuration='', settings=None, target_id=-1):
+    (plan,) = plans_of(s, a_loop(3).anchors, 'random_q', configuration, settings, target_id)
+    return plan
+
+
+def graph(s, plan=None, settings=None, one_process_each=False, **options):
+    how = How(replay=True, settings=settings or {}, one_process_each=one_process_each)
+    return complete(s, [plan or planned(s)], FEED, how, **options)
 
 
 def by_name(processes):
@@ -45,7 +51,7 @@ def by_name(processes):
 
 def refusal(*args, **kwargs):
     with pytest.raises(TrackingError) as error:
-        plan_random_q(*args, **kwargs)
+        planned(*args, **kwargs)
     return str(error.value)
 
 
@@ -53,8 +59,8 @@ def refusal(*args, **kwargs):
 
 
 def test_three_estimators_and_one_sensing_stage_by_default():
-    plan = plan_random_q(source())
-    assert plan.outputs == ('local_1', 'local_2', 'local_3', 'fused_1', 'fused_2', 'fused_3')
+    plan = planned(source())
+    assert tuple(plan.outputs) == ('local_1', 'local_2', 'local_3', 'fused_1', 'fused_2', 'fused_3')
     assert [values['id'] for values in plan.estimators] == [1, 2, 3]
     assert {values['input'] for values in plan.estimators} == {'range'}
     assert plan.sensing['trigger.kind'] == 'event'
@@ -69,28 +75,28 @@ def test_the_feed_is_overridden_by_the_file_and_the_file_by_the_settings(tmp_pat
     s = source(area='0 0 3.6 2.4', target_height='1.5', period='2.0')
 
     def of(number, settings=None):
-        values = plan_random_q(s, str(path), settings).estimators[number - 1]
+        values = planned(s, str(path), settings).estimators[number - 1]
         names = ('area', 'target_height', 'fusion_timeout', 'noise.q_max', 'noise.q_min')
         return tuple(values.get(name) for name in names)
 
     assert of(1) == ([0, 0, 9, 9], 1.5, 0.7, 9.0, None)
     assert of(2) == ([0, 0, 9, 9], 1.5, 0.7, 10.0, 5.0)
     assert of(2, {'noise.q_max': 11.0, 'area': []}) == ([], 1.5, 0.7, 11.0, 5.0)
-    plain = plan_random_q(s, 'random_q').estimators[0]
+    plain = planned(s, 'random_q').estimators[0]
     assert plain['area'] == [0.0, 0.0, 3.6, 2.4]
     assert plain['fusion_timeout'] == pytest.approx(0.4)  # 0.2 T
 
 
 def test_the_configuration_is_the_one_asked_for_else_the_feeds_else_random_q():
-    assert 'nodes' in plan_random_q(source(configuration='random_q'), 'danis_three').estimators[0]
-    assert 'nodes' in plan_random_q(source(configuration='danis_three')).estimators[0]
+    assert 'nodes' in planned(source(configuration='random_q'), 'danis_three').estimators[0]
+    assert 'nodes' in planned(source(configuration='danis_three')).estimators[0]
     nameless = source()._replace(metadata={})
-    assert plan_random_q(nameless).estimators == plan_random_q(nameless, 'random_q').estimators
-    assert plan_random_q(nameless, load_configuration('danis_three')).sensing is None
+    assert planned(nameless).estimators == planned(nameless, 'random_q').estimators
+    assert planned(nameless, load_configuration('danis_three')).sensing is None
 
 
 def test_danis_three_gives_every_estimator_its_own_receivers():
-    plan = plan_random_q(source(), 'danis_three')
+    plan = planned(source(), 'danis_three')
     assert [set(values['nodes']) for values in plan.estimators] == [
         {10, 21, 32, 42}, {20, 31, 41, 11}, {30, 40, 12, 22}
     ]  # fmt: skip
@@ -102,8 +108,8 @@ def test_danis_three_gives_every_estimator_its_own_receivers():
 
 @pytest.mark.parametrize(('peers', 'outputs'), [([2], 'local_2 fused_2'), ([7, 4], 'local_4 local_7 fused_4 fused_7')])
 def test_peers_are_all_estimators_that_there_are(peers, outputs):
-    plan = plan_random_q(source(), settings={'peers': peers})
-    assert plan.outputs == tuple(outputs.split())
+    plan = planned(source(), settings={'peers': peers})
+    assert tuple(plan.outputs) == tuple(outputs.split())
     for values in plan.estimators:
         assert values['peers'] == sorted(peers)
         assert set(build(EXECUTABLES['estimator_node'], values).all_peers) == set(peers)
@@ -142,20 +148,23 @@ def test_wrong_metadata_are_refused(metadata, words):
 
 
 def test_what_the_system_cannot_take_is_refused():
-    assert 'takes rssi or range, the bag holds observation' in refusal(source()._replace(entry_level='observation'))
+    seen = source()._replace(entry_level='observation')
+    assert {values['input'] for values in planned(seen).estimators} == {'observation'}
+    assert 'the bag enters at level observation' in refusal(seen, settings={'input': 'range'})
+    assert 'the bag enters at level rssi' in refusal(source(), settings={'input': 'observation'})
     assert '`input` is rssi, but the bag enters at level range' in refusal(
         source(BAGS['range']), settings={'input': 'rssi'}
     )
 
 
 def test_ranges_bypass_the_sensing_nodes():
-    plan = plan_random_q(source(BAGS['range']))
+    plan = planned(source(BAGS['range']))
     assert plan.sensing is None
     assert not [p for p in graph(source(BAGS['range']), plan) if p.executable == 'sensing_node']
 
 
 def test_signal_strengths_may_go_into_the_filters_as_such():
-    plan = plan_random_q(source(), settings={'input': 'rssi'})
+    plan = planned(source(), settings={'input': 'rssi'})
     assert plan.sensing is None
     assert by_name(graph(source(), plan))['estimator_1'].takes[3] == 'rssi'
 
@@ -163,7 +172,7 @@ def test_signal_strengths_may_go_into_the_filters_as_such():
 def test_some_estimators_may_take_ranges_and_others_signal_strengths(tmp_path):
     path = tmp_path / 'mixed.yaml'
     path.write_text('/**/estimator_2:\n  ros__parameters: {input: rssi}\n')
-    plan = plan_random_q(source(), str(path))
+    plan = planned(source(), str(path))
     assert [values['input'] for values in plan.estimators] == ['range', 'rssi', 'range']
     assert plan.sensing is not None
 
@@ -176,16 +185,14 @@ def test_every_process_is_told_the_same_target():
     s = source(BAGS['two_targets'])
     assert s.targets == (1, 4)
     for target_id, wanted in ((-1, 1), (4, 4)):
-        plan = plan_random_q(s, target_id=target_id)
+        plan = planned(s, target_id=target_id)
         assert plan.target_id == wanted
-        told = [
-            declared(p).get('target_id')
-            for p in graph(s, plan, evaluator={}, one_process_each=True)
-            if p.executable != 'bag_player_node'
-        ]
-        assert set(told) == {wanted}
-    assert plan_random_q(s, settings={'target_id': 4}).target_id == 4
-    assert plan_random_q(s, settings={'target_id': 4}, target_id=1).target_id == 1
+        told = graph(s, plan, evaluator={}, one_process_each=True)
+        tracking = [p for p in told if p.executable in {'sensing_node', 'estimator_node'}]
+        assert {declared(p)['target_id'] for p in tracking} == {wanted}
+        assert declared(by_name(told)['evaluator'])['targets'] == [wanted]
+    assert planned(s, settings={'target_id': 4}).target_id == 4
+    assert planned(s, settings={'target_id': 4}, target_id=1).target_id == 1
     assert 'has no target 2: expected one of [1, 4]' in refusal(s, target_id=2)
 
 
@@ -197,9 +204,8 @@ def test_targets_are_in_the_order_of_their_first_message():
 
 def test_a_feed_that_is_not_known_yet_leaves_the_target_open():
     unknown = Source('live', 'rssi', (1, 2), (), {}, ('request', 'rssi', 'epoch_end'))
-    assert plan_random_q(unknown).target_id == -1
-    assert plan_random_q(unknown, target_id=6).target_id == 6
-    assert unknown.of_target(-1) == unknown
+    assert planned(unknown).target_id == -1
+    assert planned(unknown, target_id=6).target_id == 6
 
 
 # ---- the graph
@@ -216,7 +222,7 @@ def test_whatever_is_expected_is_there(bag, each, recorded):
     """Nobody waits for a partner that does not exist; counts are those of the topics' other side."""
     s = source(BAGS[bag])
     record = {'output': 'y', 'extra_topics': ['estimate/fused_1']} if recorded else None
-    plan = plan_random_q(s)
+    plan = planned(s)
     processes = graph(s, plan, evaluator={}, record=record, one_process_each=each)
     sent = {'anchors', 'request', 'epoch_end', *(event.topic for event in playback(BAGS[bag]).events)}
     assert set(by_name(processes)['bag_player'].gives) == sent  # what the feed opens is what it says it gives
@@ -248,8 +254,8 @@ def test_the_feed_waits_for_all_and_stays_close_to_the_fused_outputs():
     processes = by_name(graph(source(), evaluator={}, record={'output': 'y'}, one_process_each=True))
     feed = processes['bag_player'].parameters
     assert set(feed['expected_nodes']) == set(processes) - {'bag_player'}
-    assert feed['window_topics'] == ['estimate/fused_1', 'estimate/fused_2', 'estimate/fused_3']
-    assert processes['bag_player'].takes == tuple(feed['window_topics'])
+    assert feed['window_topics'] == ['estimate/fused_1=1', 'estimate/fused_2=1', 'estimate/fused_3=1']
+    assert processes['bag_player'].takes == ('estimate/fused_1', 'estimate/fused_2', 'estimate/fused_3')
     assert {f'sensing_{node}' for node in range(1, 13)} <= set(processes)
     assert processes['sensing_7'].parameters['ids'] == [7]
     together = by_name(graph(source(), evaluator={}))
@@ -287,7 +293,7 @@ def test_in_replay_nothing_may_be_lost_and_patience_is_a_parameter():
 def test_settings_reach_whoever_knows_them():
     """Of the evaluator the rules that it compares with, of feed and evaluator their patience."""
     given = {'fusion.lci_a': 0.3, 'output_timeout': 2.0, 'window': 9, 'silence': 0.2}
-    plan = plan_random_q(source(), settings=given)
+    plan = planned(source(), settings=given)
     processes = by_name(graph(source(), plan, settings=given, evaluator={}, record={}))
     assert declared(processes['evaluator'])['fusion.lci_a'] == 0.3
     assert declared(processes['evaluator'])['output_timeout'] == 2.0
@@ -355,4 +361,4 @@ def test_a_section_of_no_node_is_refused_with_the_nearest_name(tmp_path):
     path.write_text('/**:\n  ros__parameters: {seed: 1}\n/**/estimater_1:\n  ros__parameters: {nodes: [1]}\n')
     source = source_of('a_loop', a_loop(3))
     with pytest.raises(TrackingError, match=r'estimater_1.*estimator_1'):
-        graphs.plan_random_q(source, str(path))
+        planned(source, str(path))

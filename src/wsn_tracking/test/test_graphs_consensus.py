@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 from graph_cases import a_loop
 
-from wsn_tracking import graphs
+from wsn_tracking.configuration import load_configuration
 from wsn_tracking.errors import TrackingError
-from wsn_tracking.graphs import Process, source_of
-from wsn_tracking.graphs_consensus import consensus_graph, districts, is_consensus, plan_consensus
+from wsn_tracking.graphs import How, Process, complete, plans_of, source_of
+from wsn_tracking.graphs.consensus import ConsensusPlan, districts, plan_consensus
+from wsn_tracking.graphs.plans import configuration_of, systems_of
 from wsn_tracking.node_parameters.common import NodeConfig
 from wsn_tracking.node_parameters.consensus import ConsensusNodeConfig
 from wsn_tracking.node_parameters.executables import EXECUTABLES
@@ -24,12 +25,13 @@ SOURCE = source_of('field', FIELD)
 FEED = Process('bag_player_node', 'bag_player', {'bag': 'x', 'rate': 0.0})
 
 
-def planned(**options):
-    return plan_consensus(SOURCE, FIELD.anchors, **options)
+def planned(configuration='consensus', **options):
+    return plan_consensus(SOURCE, FIELD.anchors, load_configuration(configuration), **options)
 
 
-def graph(plan=None, **options):
-    return consensus_graph(SOURCE, plan or planned(), FEED, **{'replay': True, 'evaluator': {}, **options})
+def graph(plan=None, replay=True, settings=None, one_process_each=False, **options):
+    how = How(replay=replay, settings=settings or {}, one_process_each=one_process_each)
+    return complete(SOURCE, [plan or planned()], FEED, how, **{'evaluator': {}, **options})
 
 
 def nodes_of(processes):
@@ -94,26 +96,45 @@ def test_rounds_end_in_time_live_and_wait_in_replay():
 @pytest.mark.parametrize(
     ('entry_level', 'metadata', 'trackers', 'configuration', 'wanted'),
     [
-        ('observation', {}, '', '', True),
-        ('range', {}, '', '', False),
-        ('range', {'configuration': 'consensus'}, '', '', True),
-        ('range', {'configuration': 'random_q'}, '', 'mine/consensus.yaml', True),
-        ('range', {'configuration': 'random_q'}, 'consensus', '', True),
-        ('observation', {'configuration': 'consensus'}, 'random_q', '', False),
-        ('observation', {}, 'all', '', True),
+        ('observation', {}, '', '', ['consensus']),
+        ('range', {}, '', '', ['random_q']),
+        ('range', {'configuration': 'consensus'}, '', '', ['consensus']),
+        ('range', {'configuration': 'loss_tolerant_lias'}, '', '', ['loss_tolerant']),
+        ('range', {'configuration': 'random_q'}, '', 'mine/consensus.yaml', ['consensus']),
+        ('range', {'configuration': 'random_q'}, 'consensus', '', ['consensus']),
+        ('observation', {'configuration': 'consensus'}, 'random_q', '', ['random_q']),
+        ('rssi', {}, 'loss_tolerant,random_q', '', ['loss_tolerant', 'random_q']),
     ],
 )
 def test_the_system_is_the_one_asked_for_else_that_of_the_feed(entry_level, metadata, trackers, configuration, wanted):
     source = SOURCE._replace(entry_level=entry_level, metadata=metadata)
-    assert is_consensus(source, trackers, configuration) is wanted
+    assert list(systems_of(source, trackers, configuration)) == wanted
+    assert {'random_q', 'consensus', 'loss_tolerant'} <= set(systems_of(source, 'all'))
+    with pytest.raises(TrackingError, match='there is no system `human_`'):
+        systems_of(source, 'consensus,human_')
+
+
+@pytest.mark.parametrize(
+    ('named', 'system', 'wanted'),
+    [
+        ('danis_three', 'random_q', 'danis_three'),
+        ('danis_three', 'consensus', 'consensus'),
+        ('consensus', 'consensus', 'consensus'),
+        ('consensus', 'loss_tolerant', 'loss_tolerant'),
+        ('', 'random_q', 'random_q'),
+        ('loss_tolerant', 'loss_tolerant', 'loss_tolerant'),
+    ],
+)
+def test_a_system_has_a_configuration_for_every_feed(named, system, wanted):
+    assert configuration_of(system, SOURCE._replace(metadata={'configuration': named})) == wanted
 
 
 def test_signal_strengths_and_ranges_are_taken_as_they_are():
     recording = a_loop(3)
-    plan = plan_consensus(source_of('a_loop', recording), recording.anchors)
+    (plan,) = plans_of(source_of('a_loop', recording), recording.anchors, 'consensus')
+    assert isinstance(plan, ConsensusPlan)
     assert plan.values['input'] == 'rssi'
-    assert plan.outputs == tuple(f'consensus_{i}' for i in range(1, 13))
-    assert isinstance(graphs.plan_of(source_of('a_loop', recording), recording, 'consensus'), graphs.ConsensusPlan)
+    assert plan.outputs == {f'consensus_{i}': 1 for i in range(1, 13)}
 
 
 @pytest.mark.parametrize(

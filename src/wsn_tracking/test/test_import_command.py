@@ -50,7 +50,7 @@ def test_every_kind_has_an_importer_and_a_configuration_that_tracks():
         level = 'rssi' if kind in ('kolakowski', 'zignav') else 'range'
         metadata = {'configuration': kind, 'area': '0 0 1 1'}
         recording = Recording(make_anchors([1, 2], [(0, 0), (1, 1)]), level, (Request(0, 1, 0),), {}, metadata, {})
-        plan = graphs.plan_random_q(graphs.source_of(kind, recording))
+        (plan,) = graphs.plans_of(graphs.source_of(kind, recording), recording.anchors, 'random_q')
         assert {values['input'] for values in plan.estimators} == {level}
         assert plan.sensing is None
 

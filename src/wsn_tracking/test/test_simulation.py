@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from oracles import LOOP, H, properties
 
 from wsn_tracking.errors import TrackingError
-from wsn_tracking.graphs import plan_random_q, source_of
+from wsn_tracking.graphs import plans_of, source_of
 from wsn_tracking.models.radio import MIN_RANGE, range_at
 from wsn_tracking.node_parameters.estimator import EstimatorNodeConfig
 from wsn_tracking.node_parameters.sensing import SensingNodeConfig
@@ -97,7 +97,7 @@ def test_a_drawn_walk_is_the_seeds_and_no_other_walk_has_one():
 def test_a_scenario_is_tracked_with_its_own_trigger_and_otherwise_as_random_q(name):
     s = scenario(name)
     source = source_of(name, record(s, 1))
-    plan, usual = plan_random_q(source), plan_random_q(source, 'random_q')
+    (plan,), (usual,) = (plans_of(source, s.anchors, 'random_q', name) for name in ('', 'random_q'))
     built = build(SensingNodeConfig, plan.sensing).trigger
     assert built.alpha == s.alpha
     assert dataclasses.replace(built, alpha=0.0) == dataclasses.replace(

@@ -11,7 +11,7 @@ A, B = 'estimate/fused_1', 'estimate/fused_2'
 
 
 def window(epochs=10, size=4, topics=(A, B), timeout=5.0):
-    w = Window(topics, [(1, k) for k in range(epochs)], size, timeout)
+    w = Window(dict.fromkeys(topics, -1), [(1, k) for k in range(epochs)], size, timeout)
     w.begin(0.0)
     return w
 
@@ -117,7 +117,7 @@ def test_an_estimate_of_what_was_not_sent_moves_nothing():
 
 
 def test_in_a_looped_bag_an_epoch_counts_where_the_feed_is():
-    w = Window([A], [(1, k % 10) for k in range(30)], 4, 5.0)
+    w = Window({A: -1}, [(1, k % 10) for k in range(30)], 4, 5.0)
     w.begin(0.0)
     k = 0
     while k < 30:
@@ -131,7 +131,7 @@ def test_in_a_looped_bag_an_epoch_counts_where_the_feed_is():
 def test_epochs_of_other_targets_do_not_hold_the_feed_back():
     """An output speaks of one target; a stretch without it, also the last, passes by."""
     epochs = [(1, 0), (1, 1), *((2, k) for k in range(20)), (1, 2), *((2, k) for k in range(20, 25))]
-    w = Window([A], epochs, 4, 5.0)
+    w = Window({A: -1}, epochs, 4, 5.0)
     w.begin(0.0)
     assert sent(w, 0) == 4
     w.heard(A, 1, 0, 0.0)
@@ -141,6 +141,21 @@ def test_epochs_of_other_targets_do_not_hold_the_feed_back():
     w.heard(A, 1, 2, 0.0)
     assert w.finished()
     assert w.silent(1e9) == []
+
+
+def test_an_output_whose_target_comes_late_is_waited_for_from_then_on():
+    epochs = [*((2, k) for k in range(20)), (1, 0), (1, 1), (1, 2)]
+    w = Window({A: 1, B: 2}, epochs, 2, 5.0)
+    w.begin(0.0)
+    for k in range(20):
+        assert w.admits(k, 0.0)
+        w.heard(B, 2, k, 0.0)
+    assert w.silent(1e9) == []
+    assert sent(w, 20, 1e9) == 2
+    assert w.silent(1e9 + 5.1) == [A]
+    absent = Window({A: 3}, epochs, 2, 5.0)
+    absent.begin(0.0)
+    assert absent.finished()  # its target is not there at all
 
 
 @given(st.integers(1, 6), st.integers(1, 30), st.integers(1, 3), st.randoms(use_true_random=False))

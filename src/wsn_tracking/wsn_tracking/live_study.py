@@ -90,7 +90,8 @@ def _first(whole: Scenario, epochs: int) -> Scenario:
 
 
 def _replayed(bag: Path, rate: float, out: Path) -> dict[str, Any]:
-    outputs = graphs.plan_random_q(graphs.open_bag(str(bag))[0]).outputs
+    source, recording = graphs.open_bag(str(bag))
+    outputs = graphs.plans_of(source, recording.anchors)[0].outputs
     recorder = {'output': str(out), 'extra_topics': [f'estimate/{output}' for output in outputs]}
     _quietly(graphs.replay(str(bag), rate=rate, record=recorder), ['evaluator', 'bag_recorder'])
     return read_estimates(out)

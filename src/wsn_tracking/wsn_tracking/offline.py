@@ -38,13 +38,16 @@ def run_plan(plan: Plan, recording: Recording, progress: Progress = silent) -> R
         return run_consensus(of_target(recording, plan.target_id), node, plan.target_id, progress=progress)
     if isinstance(plan, RandomQPlan):
         estimators = [build(EstimatorNodeConfig, values) for values in plan.estimators]
-        sensing = None
-        if plan.sensing is not None:
-            config = build(SensingNodeConfig, plan.sensing)
-            sensing = Sensing(config.trigger, config.seed, config.channel)
-        return run_random_q(of_target(recording, plan.target_id), sensing, estimators, plan.target_id, progress)
+        own = of_target(recording, plan.target_id)
+        return run_random_q(own, _sensing(plan), estimators, plan.target_id, progress)
     assert isinstance(plan, SinglePlan)
     config = plan.config
-    return run_trackers(
-        recording, {target: config.tracker(recording.anchors, target) for target in plan.targets}, progress
-    )
+    trackers = {target: config.tracker(recording.anchors, target) for target in plan.targets}
+    return run_trackers(recording, trackers, progress)
+
+
+def _sensing(plan: RandomQPlan) -> Sensing | None:
+    if plan.sensing is None:
+        return None
+    config = build(SensingNodeConfig, plan.sensing)
+    return Sensing(config.trigger, config.seed, config.channel)

@@ -80,10 +80,11 @@ def _end(running: Iterable[subprocess.Popen[str]]) -> None:
 
 def loaded(bag: Path, ranges_per_s: float) -> tuple[graphs.Process, ...]:
     """A player at that load (0: as much as is borne), 12 sensing nodes in a process that always send, 3 estimators."""
-    source, _ = graphs.open_bag(str(bag))
-    plan = graphs.plan_random_q(source, settings={'trigger.kind': 'always'})
+    source, recording = graphs.open_bag(str(bag))
+    plans = graphs.plans_of(source, recording.anchors, settings={'trigger.kind': 'always'})
     parameters = {'bag': str(bag), 'rate': ranges_per_s / (NODES * HERTZ), 'window': BEHIND}
-    return graphs.random_q_graph(source, plan, graphs.Process('bag_player_node', 'bag_player', parameters), replay=True)
+    feed = graphs.Process('bag_player_node', 'bag_player', parameters)
+    return graphs.complete(source, plans, feed, graphs.How(replay=True))
 
 
 def rows(sizes: Sizes) -> Iterable[Row]:

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from wsn_tracking.configuration import configuration_names, parse_setting
+from wsn_tracking.graphs import SYSTEMS
 from wsn_tracking.parameters import Values
 from wsn_tracking.sensing.channel import check_channel
 
@@ -44,8 +45,10 @@ def add_bag(command: argparse.ArgumentParser, *, several: bool = False) -> None:
 def add_tracking(command: argparse.ArgumentParser, *, scores: bool = True) -> None:
     """Options of the commands that track, and of those among them that score."""
     named = ', '.join(configuration_names())
-    systems = ['random_q', 'consensus', 'all']
-    command.add_argument('--trackers', choices=systems, default='', help='systems that track; default: as the bag asks')
+    systems = ', '.join(SYSTEMS)
+    command.add_argument(
+        '--trackers', default='', metavar='NAMES', help=f'some of {systems}, or all; default: as the bag asks'
+    )
     command.add_argument('--config', default='', help=f'parameter file or name ({named}); default: what the bag names')
     command.add_argument('--channel', metavar='FILE', default='', help='radios as `calibrate` found them')
     command.add_argument('--set', action='append', default=[], metavar='NAME=VALUE', help='set one parameter')

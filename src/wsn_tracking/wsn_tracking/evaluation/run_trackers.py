@@ -25,5 +25,6 @@ def run_trackers(recording: Recording, trackers: Mapping[int, Tracker], progress
             count_epoch(spans, epoch)
             for estimate in tracker.step(epoch):
                 estimates.setdefault(estimate.source, []).append(estimate)
-        counters.update(heard + tracker.counters)
+        counters.update(heard)
+        counters['gated'] += tracker.counters['gated']  # all else that it drops was counted with its epoch
     return Run({name: tuple(e) for name, e in estimates.items()}, (), spans, told(counters))

@@ -4,7 +4,7 @@ The launch files and the command line start what these functions return; the eva
 without any process. Nothing here knows ROS beyond names.
 """
 
-from wsn_tracking.graphs.parts import How, Plan, Process, Source, open_bag, source_of
+from wsn_tracking.graphs.parts import How, Plan, Process, Source, complete, open_bag, source_of
 from wsn_tracking.graphs.plans import SYSTEMS, configuration_of, plans_of, system_of
 from wsn_tracking.graphs.whole import replay, serial, simulation
 
@@ -14,6 +14,7 @@ __all__ = [
     'Plan',
     'Process',
     'Source',
+    'complete',
     'configuration_of',
     'open_bag',
     'plans_of',

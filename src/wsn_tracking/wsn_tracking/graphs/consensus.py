@@ -42,10 +42,12 @@ class ConsensusPlan(NamedTuple):
         ids = sorted(i for district in self.districts for i in district)
         return dict.fromkeys((f'consensus_{i}' for i in ids), self.target_id)
 
-    @property
-    def window(self) -> tuple[str, ...]:
+    def window(self, how: How) -> tuple[str, ...]:
         """The outputs that the feed stays close to: of one node a process."""
-        return tuple(f'consensus_{ids[-1]}' for ids in self.districts)
+        return tuple(f'consensus_{ids[-1]}' for ids in self._groups(how))
+
+    def _groups(self, how: How) -> tuple[tuple[int, ...], ...]:
+        return tuple((i,) for ids in self.districts for i in ids) if how.one_process_each else self.districts
 
     @property
     def parameters(self) -> Values:
@@ -68,10 +70,8 @@ class ConsensusPlan(NamedTuple):
         if how.replay:
             patience = LOSS_TIMEOUT / max(config.rounds, 1)
             timing = how.timing(lossless=True, loss_timeout=LOSS_TIMEOUT, round_timeout=patience)
-        groups = self.districts
-        if how.one_process_each:
-            groups = tuple((i,) for district in groups for i in district)
-        return [_process(ids, k, {**self.values, **timing}, self.neighbours) for k, ids in enumerate(groups, 1)]
+        values = {**self.values, **timing}
+        return [_process(ids, k, values, self.neighbours) for k, ids in enumerate(self._groups(how), 1)]
 
 
 def plan_consensus(

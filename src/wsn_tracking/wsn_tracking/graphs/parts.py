@@ -48,7 +48,7 @@ class Source(NamedTuple):
     def target(self, wanted: int) -> int:
         """The one target that is tracked: the wanted one, or by default (-1) the first.
 
-        By name: what a node hears first depends on the order of arrival. Raises TrackingError for one that is not there.
+        By name: what a node hears first depends on the order of arrival. TrackingError for one that is not there.
         """
         if wanted >= 0 and self.targets and wanted not in self.targets:
             raise TrackingError(f'{self.title} has no target {wanted}: expected one of {list(self.targets)}')
@@ -88,8 +88,7 @@ class Plan(Protocol):
     def outputs(self) -> Mapping[str, int]:
         """Names of the estimates in the order of the table, each with its target."""
 
-    @property
-    def window(self) -> Collection[str]:
+    def window(self, how: How) -> Collection[str]:
         """Those outputs that the feed stays close to."""
 
     @property
@@ -166,7 +165,7 @@ def complete(
         processes.append(_evaluator(source, plans, parameters, [p.name for p in processes], evaluator))
     if record is not None:
         processes.append(_recorder(source, outputs, parameters, record))
-    window = {f'estimate/{name}': outputs[name] for plan in plans for name in plan.window}
+    window = {f'estimate/{name}': outputs[name] for plan in plans for name in plan.window(how)}
     feed = feed._replace(
         parameters={
             **parameters,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
 
 from wsn_tracking.configuration import Configuration, configuration_names, load_configuration
@@ -42,8 +41,10 @@ def systems_of(source: Source, trackers: str = '', configuration: str = '') -> t
 
 
 def configuration_of(system: str, source: Source) -> str:
-    """The configuration of a system for a feed: the one that the feed names, if it is of that system; else
-    <system>_<that name>, if there is one, else <system>."""
+    """The configuration of a system for a feed.
+
+    It is the one that the feed names, if of that system; else <system>_<that name>, if there is one; else <system>.
+    """
     named = source.metadata.get('configuration', '')
     if named and system_of(named) == system and (system != RANDOM_Q or named in configuration_names()):
         return named

@@ -40,8 +40,7 @@ class RandomQPlan(NamedTuple):
         names = [f'{kind}_{values["id"]}' for kind in ('local', 'fused') for values in self.estimators]
         return dict.fromkeys(names, self.target_id)
 
-    @property
-    def window(self) -> tuple[str, ...]:
+    def window(self, how: How) -> tuple[str, ...]:
         """The outputs that the feed stays close to."""
         return tuple(f'fused_{values["id"]}' for values in self.estimators)
 

@@ -7,12 +7,11 @@ from typing import Any, NamedTuple
 
 from wsn_tracking.configuration import Configuration
 from wsn_tracking.graphs.parts import LISTENERS, LOSS_TIMEOUT, How, Process, Source, numbers_of, reported
-from wsn_tracking.node_parameters.trackers import HumanNodeConfig, HybridNodeConfig, LossTolerantNodeConfig, TrackerNodeConfig
+from wsn_tracking.node_parameters.loss_tolerant import LossTolerantNodeConfig
+from wsn_tracking.node_parameters.trackers import TrackerNodeConfig
 from wsn_tracking.parameters import Values, build
 
 CONFIGS: Mapping[str, type[TrackerNodeConfig]] = {
-    'human': HumanNodeConfig,
-    'hybrid': HybridNodeConfig,
     'loss_tolerant': LossTolerantNodeConfig,
 }
 
@@ -27,7 +26,7 @@ class SinglePlan(NamedTuple):
     @property
     def config(self) -> TrackerNodeConfig:
         """The parameters of its node."""
-        return build(CONFIGS[self.system], self.values).checked()
+        return checked_config(self.system, self.values)
 
     @property
     def outputs(self) -> Mapping[str, int]:
@@ -35,8 +34,7 @@ class SinglePlan(NamedTuple):
         config = self.config
         return {name: target for target in self.targets for name in config.outputs(target)}
 
-    @property
-    def window(self) -> tuple[str, ...]:
+    def window(self, how: How) -> tuple[str, ...]:
         """The outputs that the feed stays close to: the first of each target."""
         config = self.config
         return tuple(config.outputs(target)[0] for target in self.targets)
@@ -68,6 +66,12 @@ class SinglePlan(NamedTuple):
         ]
 
 
+def checked_config(system: str, values: Values) -> TrackerNodeConfig:
+    """The parameters of a node; TrackingError where they are wrong."""
+    config: TrackerNodeConfig = build(CONFIGS[system], values)
+    return config.checked()
+
+
 def plan_single(
     system: str, source: Source, configuration: Configuration, settings: Values | None = None, target_id: int = -1
 ) -> SinglePlan:
@@ -84,10 +88,9 @@ def plan_single(
         **({'target_id': target_id} if target_id >= 0 else {}),
         'input': source.entry_level,
     }
-    config = build(CONFIGS[system], values).checked()
-    targets = (source.target(config.target_id),)
-    if config.several and config.target_id < 0:
-        targets = source.targets or targets
-    else:
-        values['target_id'] = targets[0]
+    config = checked_config(system, values)
+    one = source.target(config.target_id)
+    targets = source.targets if config.several and config.target_id < 0 else (one,)
+    if not config.several:
+        values['target_id'] = one
     return SinglePlan(system, {**values, 'targets': list(targets)} if config.several else values, targets)

@@ -9,6 +9,7 @@ from wsn_tracking.node_parameters.consensus import ConsensusNodeConfig
 from wsn_tracking.node_parameters.estimator import EstimatorNodeConfig
 from wsn_tracking.node_parameters.feeds import PlayerConfig, WorldConfig
 from wsn_tracking.node_parameters.listeners import EvaluatorConfig, MarkerConfig, RecorderConfig
+from wsn_tracking.node_parameters.loss_tolerant import LossTolerantNodeConfig
 from wsn_tracking.node_parameters.sensing import SensingNodeConfig
 from wsn_tracking.node_parameters.serial import SerialBridgeConfig, SinkSimulatorConfig
 
@@ -18,6 +19,7 @@ EXECUTABLES: Mapping[str, type[Any]] = {
     'sink_simulator': SinkSimulatorConfig,
     'estimator_node': EstimatorNodeConfig,
     'consensus_node': ConsensusNodeConfig,
+    'loss_tolerant_tracker_node': LossTolerantNodeConfig,
     'world_node': WorldConfig,
     'bag_player_node': PlayerConfig,
     'bag_recorder_node': RecorderConfig,

@@ -1,34 +1,39 @@
-"""Parameters of the nodes that track by themselves."""
+"""What the nodes have in common that track by themselves; each has its own parameters in a module of its name."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar, TypeVar
+from typing import ClassVar
 
 from wsn_tracking.models.anchors import Anchors
 from wsn_tracking.node_parameters.common import AssemblyConfig
 from wsn_tracking.parameters import param
 from wsn_tracking.trackers.tracker import Tracker
 
-Checked = TypeVar('Checked', bound='TrackerNodeConfig')
-
 
 @dataclass(frozen=True)
 class TrackerNodeConfig(AssemblyConfig):
     """Whatever tracks by itself: what it takes; a subclass says by which tracker."""
 
+    system: ClassVar[str]
     several: ClassVar[bool] = False  # whether it tracks every target that asks
+    most_targets: ClassVar[int] = 1
 
     input: str = param(
         'auto',
         'topic that measurements come from; auto: range, rssi or observation, the first that somebody publishes',
         choices=('auto', 'range', 'rssi', 'observation'),
     )
-    period: float = param(1.0, 'T, time between requests of a target', 's', 1e-3, 3600.0)
+    target_height: float = param(0.0, 'height at which the target moves', 'm', -1e4, 1e4)
 
-    def checked(self: Checked) -> Checked:
+    def checked(self) -> TrackerNodeConfig:
         """Itself, or TrackingError where fields contradict each other."""
         return self
+
+    @property
+    def expected_targets(self) -> tuple[int, ...]:
+        """The targets whose outputs are there from the start; -1: the first that is heard."""
+        return (self.target_id,)
 
     def tracker(self, anchors: Anchors, target_id: int) -> Tracker:
         """What tracks a target."""

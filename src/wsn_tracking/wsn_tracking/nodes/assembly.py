@@ -21,7 +21,13 @@ class Assembly:
     """Holds messages until the anchors are known, then assembles epochs and hands them on in order."""
 
     def __init__(
-        self, node: Node, config: AssemblyConfig, then: Callable[[Epoch], None], anew: Callable[[], None]
+        self,
+        node: Node,
+        config: AssemblyConfig,
+        then: Callable[[Epoch], None],
+        anew: Callable[[], None],
+        *,
+        timed: bool = True,
     ) -> None:
         self._config = config
         self._then = then
@@ -33,7 +39,8 @@ class Assembly:
         self._logger = node.get_logger()
         self.last_seq = -1
         self._finals: dict[int, int] = {}  # each target's last epoch, once its feed has ended
-        node.create_timer(TICK, self.advance)
+        if timed:  # else whoever has many of them looks at all at once
+            node.create_timer(TICK, self.advance)
 
     def start(self, anchors: Anchors, roster: Iterable[int]) -> None:
         """The anchors are known: from now on messages count, those that came before included."""
@@ -81,8 +88,12 @@ class Assembly:
     @property
     def final_seq(self) -> int | None:
         """The last epoch of the target, once its feed has ended."""
-        target = self._config.target_id if self._assembler is None else self._assembler.target_id
-        return self._finals.get(target)
+        return self._finals.get(self.target_id)
+
+    @property
+    def target_id(self) -> int:
+        """The target whose epochs these are; -1: nobody was heard yet."""
+        return self._config.target_id if self._assembler is None else self._assembler.target_id
 
     def advance(self) -> None:
         """Hand on every epoch that can be closed by now."""

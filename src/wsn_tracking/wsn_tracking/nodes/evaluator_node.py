@@ -141,14 +141,15 @@ class EvaluatorNode(TrackingNode[EvaluatorConfig]):
         return {target: _track(target, poses) for target, poses in self._truth.items() if poses}
 
     def _every_output(self) -> dict[str, list[Estimate]]:
-        """The outputs, and beside them what the mean and LCI make of the locals of each epoch."""
-        every = dict(self._estimates)
+        """The outputs; behind those of system A what the mean and LCI make of the locals of each epoch."""
+        own = {name: e for name, e in self._estimates.items() if name.startswith(('local_', 'fused_'))}
+        every = {**own}
         by_seq = [{e.request_seq: e for e in self._estimates[name]} for name in self._locals]
         common = sorted(set.intersection(*(set(held) for held in by_seq))) if by_seq else []
         for fuser in self._compared:
             fuser.reset()
             every[fuser.source] = [fuser.step([held[seq] for held in by_seq]) for seq in common]
-        return every
+        return {**every, **self._estimates}
 
     def _summary(self) -> Summary:
         tracks = self._tracks()
@@ -190,7 +191,8 @@ class EvaluatorNode(TrackingNode[EvaluatorConfig]):
 
     def health(self) -> Health:
         """Requests that stopped, estimates that cannot be scored."""
-        return worst(super().health(), truth(sum(map(len, self._estimates.values())), sum(map(len, self._truth.values()))))
+        heard, told = (sum(map(len, held.values())) for held in (self._estimates, self._truth))
+        return worst(super().health(), truth(heard, told))
 
     def state(self) -> Mapping[str, Any]:
         """Running RMSE and NEES of every output."""

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Protocol
 
 from wsn_tracking_msgs import msg
 
 from wsn_tracking.nodes import convert, qos
-from wsn_tracking.nodes.assembly import Assembly
 from wsn_tracking.nodes.base import TrackingNode
 
 TOPICS = {
@@ -19,7 +18,17 @@ AUTO = 'auto'
 LOOK = 0.2  # [s] how often it is looked who publishes
 
 
-def take_measurements(node: TrackingNode[Any], topic: str, assembly: Assembly) -> None:
+class Taker(Protocol):
+    """Whoever assembles epochs."""
+
+    def measurement(self, message: Any, now: float) -> None:
+        """A measurement."""
+
+    def listing(self, message: Any, now: float) -> None:
+        """What was sent."""
+
+
+def take_measurements(node: TrackingNode[Any], topic: str, assembly: Taker) -> None:
     """Subscribe a topic of measurements, and the reports of who stayed silent where there are any."""
     kind, value = TOPICS[topic]
     node.take(kind, topic, value, assembly.measurement, qos.MEASUREMENTS)
@@ -30,7 +39,7 @@ def take_measurements(node: TrackingNode[Any], topic: str, assembly: Assembly) -
 class Input:
     """The one topic that a node takes measurements from: `topic`, empty as long as `auto` has not found one."""
 
-    def __init__(self, node: TrackingNode[Any], wanted: str, assembly: Assembly) -> None:
+    def __init__(self, node: TrackingNode[Any], wanted: str, assembly: Taker) -> None:
         self._node, self._assembly = node, assembly
         self.topic = ''
         if wanted != AUTO:

@@ -14,9 +14,7 @@ class Window:
     for any more, until it speaks again.
     """
 
-    def __init__(
-        self, topics: Mapping[str, int], epochs: Sequence[tuple[int, int]], size: int, timeout: float
-    ) -> None:
+    def __init__(self, topics: Mapping[str, int], epochs: Sequence[tuple[int, int]], size: int, timeout: float) -> None:
         self._size, self._timeout = size, timeout
         self._last = len(epochs) - 1
         self._indices: dict[tuple[int, int], list[int]] = {}  # where an epoch is: at several places in a looped bag

@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 
 from wsn_tracking.configuration import load_configuration
-from wsn_tracking.parameters import Values
 from wsn_tracking.evaluation.run import summarise
 from wsn_tracking.evaluation.score import Score
 from wsn_tracking.evaluation.summary import Summary, pool_summaries
 from wsn_tracking.offline import offline
+from wsn_tracking.parameters import Values
 from wsn_tracking.real_radio.sets import Bags, Sets
 
 Result = dict[str, Any]

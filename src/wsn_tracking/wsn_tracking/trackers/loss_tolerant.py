@@ -46,7 +46,7 @@ class LossTolerantTracker:
         self._table = MeasurementTable(
             anchors, config.target_height, UpdateConfig(range_std=config.update.range_std), radio_map
         )
-        self._area: Area = (*config.area,) if config.area else area_of(anchors)  # type: ignore[assignment]
+        self._area: Area = (*config.area,) if config.area else area_of(anchors)
         self._filter = filter_of(config)
         self.counters: Counter[str] = Counter()
         self.reset()
