@@ -7,6 +7,7 @@ from wsn_tracking.zstack.bad import Bad
 from wsn_tracking.zstack.device import Device
 from wsn_tracking.zstack.firmware.flavour import FLAVOURS
 from wsn_tracking.zstack.frames import Frame
+from wsn_tracking.zstack.on_board import in_radius
 from wsn_tracking.zstack.protocols import Radio, protocol_of
 from wsn_tracking.zstack.reports import Report
 from wsn_tracking.zstack.simulator import Simulator
@@ -61,11 +62,11 @@ def epochs(count=5, nodes=4, period=1.0, robot=1, **more):
 class Host:
     """Attaches to a simulator and takes what it says, in simulated time."""
 
-    def __init__(self, world=None, step=0.01, **config):
+    def __init__(self, world=None, step=0.01, on_board=in_radius, **config):
         self.config = SimulatorConfig(**{'traffic': QUIET, **config})
         self.world = epochs() if world is None else world
         self.now = 1000.0
-        self.simulator = Simulator(self.config, self.world, self.now)
+        self.simulator = Simulator(self.config, self.world, self.now, on_board)
         self.protocol = protocol_of(self.config.sink_protocol, self.config.radio)
         self.items, self.times, self.actions = [], [], []
         self._step = step

@@ -8,7 +8,7 @@ import pytest
 
 from wsn_tracking.bags.read import read
 from wsn_tracking.bags.save import save
-from wsn_tracking.benchmarks import bags, graph, nodes, table
+from wsn_tracking.benchmarks import bags, graph, nodes, serial, table
 from wsn_tracking.cli import main
 from wsn_tracking.commands import bench
 from wsn_tracking.evaluation import benchmark_filter as filters
@@ -90,6 +90,14 @@ def test_ci_of_the_benchmark_is_that_of_the_rule():
         np.testing.assert_array_equal(fused.m, ci.optimal(m[one], P[one]).m)
 
 
+def test_parser_of_the_benchmark_finds_every_report():
+    reads = serial.pieces(serial.stream(100))
+    assert serial.parsed(reads) == 100
+    assert [(r.payload.node_id, r.payload.seq) for r in serial.decoded(reads)] == [
+        (k % 12, k // 12) for k in range(100)
+    ]
+
+
 # --- timing and telling
 
 
@@ -100,16 +108,19 @@ def test_contenders_take_turns():
     assert set(took) == {'a', 'b'}
 
 
-@pytest.mark.parametrize(('row', 'ratio', 'met'), [
-    (Row('g', 'w', 'us', 2.0, 'p', 8.0, at_least(4.0, ratio=True)), 4.0, True),
-    (Row('g', 'w', 'us', 2.0, 'p', 8.0, at_least(5.0, ratio=True)), 4.0, False),
-    (Row('g', 'w', 'us', 2.0, 'p', None, at_least(5.0, ratio=True)), None, None),
-    (Row('g', 'w', 's', 6.0, 'p', 4.0, at_most(1.5, ratio=True), faster_is_more=False), 1.5, True),
-    (Row('g', 'w', 's', 6.0, goal=at_most(5.0)), None, False),
-    (Row('g', 'w', 'ranges/s', 6.0, goal=at_least(5.0)), None, True),
-    (Row('g', 'w', 'ranges/s', None, goal=at_least(5.0), note='broken'), None, None),
-    (Row('g', 'w', 'us', 1.0), None, None),
-])
+@pytest.mark.parametrize(
+    ('row', 'ratio', 'met'),
+    [
+        (Row('g', 'w', 'us', 2.0, 'p', 8.0, at_least(4.0, ratio=True)), 4.0, True),
+        (Row('g', 'w', 'us', 2.0, 'p', 8.0, at_least(5.0, ratio=True)), 4.0, False),
+        (Row('g', 'w', 'us', 2.0, 'p', None, at_least(5.0, ratio=True)), None, None),
+        (Row('g', 'w', 's', 6.0, 'p', 4.0, at_most(1.5, ratio=True), faster_is_more=False), 1.5, True),
+        (Row('g', 'w', 's', 6.0, goal=at_most(5.0)), None, False),
+        (Row('g', 'w', 'ranges/s', 6.0, goal=at_least(5.0)), None, True),
+        (Row('g', 'w', 'ranges/s', None, goal=at_least(5.0), note='broken'), None, None),
+        (Row('g', 'w', 'us', 1.0), None, None),
+    ],
+)
 def test_a_goal_is_met_missed_or_not_known(row, ratio, met):
     assert row.ratio == ratio
     assert (row.goal.met(row) if row.goal else None) is met
@@ -145,7 +156,7 @@ def test_json_holds_every_row():
     assert content['rows'][3]['ratio'] == pytest.approx(1.5)
 
 
-@pytest.mark.parametrize('group', ['filter', 'fusion', 'bags'])
+@pytest.mark.parametrize('group', ['filter', 'fusion', 'bags', 'serial'])
 def test_a_group_tells_a_figure_for_every_work(group):
     pytest.importorskip('scipy')
     rows = list(table.benchmark([group], TINY))

@@ -3,14 +3,16 @@
 import dataclasses
 import math
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from sink_cases import QUIET, Host, epochs, expected
 from zstack_cases import properties
 
-from wsn_tracking.airwaves import air_epochs, recording_of
+from wsn_tracking.airwaves import air_epochs, on_board, recording_of
 from wsn_tracking.errors import TrackingError
+from wsn_tracking.sensing import trigger
 from wsn_tracking.sensing.recording import Recording
 from wsn_tracking.sensing.values import Modality, Range, Request
 from wsn_tracking.zstack import commands as c
@@ -102,6 +104,54 @@ def test_flags_of_motes_that_trigger_and_share_a_clock():
     traffic = dataclasses.replace(QUIET, event_triggered=True, synchronised=True)
     host = Host(epochs(3), traffic=traffic).run()
     assert {r.payload.flags for r in host.reports} == {Flag.EVENT_TRIGGERED | Flag.CLOCK_SYNCHRONISED}
+
+
+def test_motes_trigger_on_board_before_they_round():
+    """What is sent is what the document's trigger sends of the signals as they are, epoch by epoch and node by node."""
+    world = air_epochs(recording_of('a_loop', '', 3))
+    traffic = dataclasses.replace(QUIET, event_triggered=True, y_min=-55.0, alpha=0.3)
+    host = Host(world, traffic=traffic, on_board=on_board(0.3)).run(limit=200.0)
+    ids = sorted({r.node_id for epoch in world for r in epoch.readings})
+    step = trigger.event(trigger.EventThresholds(-55.0, 0.2, 0.6, 0.3))
+    yhat, sent = np.full(len(ids), np.nan), []
+    for epoch in world:
+        heard = {r.node_id: r.rssi_dbm for r in epoch.readings}
+        y = np.array([heard.get(node, np.nan) for node in ids])
+        yhat, verdicts = step(yhat, y, np.zeros(len(ids)))
+        chosen = np.flatnonzero(verdicts == trigger.SENT)
+        sent += [(ids[i], epoch.request_seq % 256, math.floor(y[i] + 0.5)) for i in chosen]
+    assert 100 < len(sent) < 1000
+    assert host.heard() == sorted(sent)
+
+
+def test_command_sets_the_thresholds_of_the_trigger_on_board():
+    """A step of 0.5 dB is a change of 0.15 dB to a filter with alpha 0.3: below e_min, until a command lowers it."""
+    world = [
+        AirEpoch(float(k), 1, k, (Reading(1, rssi_dbm=-50.0 - 0.5 * k), Reading(2, rssi_dbm=-50.0))) for k in range(8)
+    ]
+    traffic = dataclasses.replace(QUIET, event_triggered=True, e_min=1.0, e_max=2.0)
+    host = Host(world, traffic=traffic, on_board=on_board(0.3))
+    host.attach()
+    host.simulator.begin(host.now)
+    host.until(host.now + 3.5)
+    assert host.reports == []
+    command = SensingRecord(1, 1, -90, 0.1, 2.0)
+    payload = encode_payload(Payload(PayloadType.COMMAND, 0, 1, 0, (command,)))
+    host.say(c.AfDataRequest(0x1001, 0xE8, 0xE8, 0x10, 1, 0, 30, payload))
+    host.until(host.now + 4.5)
+    assert [(node, beacon) for node, beacon, _ in host.heard()] == [(1, 4), (1, 5), (1, 6), (1, 7)]
+
+
+def test_world_goes_on_after_its_end():
+    host = Host(epochs(3), rate=10.0).run()
+    more = [e._replace(time_s=e.time_s + 5.0, request_seq=e.request_seq + 3) for e in epochs(2)]
+    began = host.now
+    host.simulator.go_on(more, host.now)
+    assert not host.simulator.finished
+    host.until(host.now + 1.0)
+    assert host.simulator.finished
+    assert host.heard() == expected([*epochs(3), *more])
+    assert host.simulator.sent[3:] == pytest.approx([began, began + 0.1])
 
 
 def test_ranges_arrive_in_millimetres():

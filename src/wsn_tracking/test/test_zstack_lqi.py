@@ -1,8 +1,10 @@
 import math
 
 import pytest
+from zstack_cases import BYTES, parse
 
-from wsn_tracking.zstack.lqi import SCALES, Strength, check_scale, lqi_of, reachable, strength_of
+from wsn_tracking.zstack.commands import decode
+from wsn_tracking.zstack.lqi import SCALES, Strength, check_scale, lqi_of, reachable, scale_words, strength_of
 
 ALL = [(name, rssi) for name, scale in SCALES.items() for rssi in range(scale.low, scale.high + 1)]
 
@@ -49,3 +51,20 @@ def test_wrong_scale_shows():
     assert check.seen == 40
     assert check.unreachable
     assert set(check.unreachable).isdisjoint(reachable(SCALES['cc2530']))
+
+
+def test_scale_is_told_with_what_to_do():
+    cc26x2 = [lqi_of(rssi, SCALES['cc26x2']) for rssi in range(-80, -40)]
+    assert scale_words([], 'cc2530') == 'none seen: scale cc2530 not checked'
+    assert 'scale cc2530 cannot give' in scale_words(cc26x2, 'cc2530')
+    assert scale_words(cc26x2, 'cc2530').endswith(' ...: set lqi_scale to cc26x2')
+    assert scale_words(cc26x2, 'cc26x2') == '40 seen, all fit scale cc26x2'
+    assert scale_words([105], 'cc2530') == '1 seen, all fit scale cc2530; too few to rule out cc26x2'
+    assert scale_words([59], 'cc2530').endswith('cannot give 59: no known scale fits')
+
+
+def test_lqis_of_a_captured_neighbour_table_are_of_no_scale():
+    """59 and 88: stacks smooth them, which is why they are not taken for those of messages."""
+    table = decode(parse(BYTES['MGMT_LQI_RSP'])[0])
+    assert [n.lqi for n in table.neighbours] == [59, 88]
+    assert not {59, 88} & (reachable(SCALES['cc2530']) | reachable(SCALES['cc26x2']))

@@ -147,7 +147,7 @@ def test_probe_of_a_live_sink_asks_and_changes_nothing(capsys, sink):
     assert (code, err) == (0, '')
     assert 'network   channel 11' in out
     assert 'reports   1 x RSSI report' in out
-    assert 'LQI       3 seen' in out
+    assert 'LQI       1 seen, all fit scale cc2530' in out  # those of neighbour tables are smoothed: of no scale
     assert not sink.questions((c.NvWrite, c.SysResetReq, c.ZdoStartup, c.BdbStartCommissioning))
 
 

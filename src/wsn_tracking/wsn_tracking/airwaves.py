@@ -5,13 +5,19 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 
+import numpy as np
+
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.graphs import open_bag
+from wsn_tracking.sensing import trigger
 from wsn_tracking.sensing.recording import Recording, of_target
 from wsn_tracking.sensing.values import Measurement, Range, RangeBearing, Request, Rssi
 from wsn_tracking.simulation.record import record
 from wsn_tracking.simulation.scenarios import scenario
+from wsn_tracking.zstack.on_board import Judge, Thresholds
 from wsn_tracking.zstack.traffic import AirEpoch, Reading
+
+NO_DRAW = np.zeros(())
 
 
 def recording_of(name: str, bag: str, seed: int, target_id: int = -1) -> Recording:
@@ -42,3 +48,14 @@ def _reading(m: Measurement) -> Iterable[Reading]:
         yield Reading(m.node_id, rssi_dbm=m.rssi_dbm, sigma=m.sigma_db, n_samples=m.n_samples)
     elif isinstance(m, Range) and m.range >= 0.0:
         yield Reading(m.node_id, range_m=m.range, sigma=math.sqrt(m.variance), n_samples=m.n_samples)
+
+
+def on_board(alpha: float) -> Judge:
+    """The document's event trigger as a mote runs it (seed 000, eq. 1 and 2)."""
+
+    def judge(thresholds: Thresholds, yhat: float, y: float) -> tuple[float, bool]:
+        step = trigger.event(trigger.EventThresholds(*thresholds, alpha))
+        after, verdict = step(np.asarray(yhat), np.asarray(y), NO_DRAW)
+        return float(after), int(verdict) == trigger.SENT
+
+    return judge

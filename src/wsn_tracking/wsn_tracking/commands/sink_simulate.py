@@ -53,7 +53,7 @@ def add(commands: Commands) -> None:
 
 
 def _do(options: argparse.Namespace) -> int:
-    from wsn_tracking.airwaves import air_epochs, recording_of
+    from wsn_tracking.airwaves import air_epochs, on_board, recording_of
     from wsn_tracking.parameters import build
     from wsn_tracking.zstack.pty_loop import PtyLoop
     from wsn_tracking.zstack.pty_port import PtyPort
@@ -62,7 +62,7 @@ def _do(options: argparse.Namespace) -> int:
 
     config = build(SimulatorConfig, _values(options))
     epochs = air_epochs(recording_of(options.scenario, options.bag, options.seed, options.target))
-    simulator = Simulator(config, epochs, time.monotonic())
+    simulator = Simulator(config, epochs, time.monotonic(), on_board(config.traffic.alpha))
     port = PtyPort(config.link)
     loop = PtyLoop(simulator, port)
     port.plug()

@@ -66,3 +66,10 @@ def link(up: bool, error: str, requests: Health) -> Health:
     if requests.level == ERROR:
         return Health(WARN, requests.sentence)
     return requests
+
+
+def radio(conflicting: Collection[int], lqi: str) -> Health:
+    """Nodes whose id two radios bear, and what is wrong with the scale of LQI; both mislead without any other sign."""
+    wrong = [f'two radios bear the id of nodes {sorted(conflicting)}'] if conflicting else []
+    wrong += [f'LQI: {lqi}'] if lqi else []
+    return Health(WARN, '; '.join(wrong)) if wrong else Health(OK, '')

@@ -15,18 +15,19 @@ from wsn_tracking.models.anchors import Anchors, make_anchors
 from wsn_tracking.node_parameters.serial import AnchorsConfig, SerialBridgeConfig
 from wsn_tracking.nodes import convert, qos
 from wsn_tracking.nodes.base import TrackingNode, run
-from wsn_tracking.nodes.health import Health, link
+from wsn_tracking.nodes.health import OK, Health, link, radio, worst
 from wsn_tracking.nodes.stations import Stations
 from wsn_tracking.sensing.values import EpochEnd, Range, Request, Rssi, TriggerReport
 from wsn_tracking.trackers.estimate import Estimate
 from wsn_tracking.zstack.commands import ZdoMgmtLqiReq, ZdoMgmtLqiRsp
 from wsn_tracking.zstack.intake import Intake
-from wsn_tracking.zstack.lqi import SCALES
+from wsn_tracking.zstack.lqi import SCALES, scale_words
 from wsn_tracking.zstack.payload import Payload, PayloadType, encode_payload
 from wsn_tracking.zstack.records import FeedbackRecord, Record, SensingRecord
 from wsn_tracking.zstack.session import Session
 
 TICK = 0.01  # [s] how often epochs are looked at that are over
+WARNED = 60.0  # [s] for which two radios of one id are told of
 OUTPUTS = {
     Request: ('request', msg.LocationRequest, convert.request_message),
     Rssi: ('rssi', msg.RssiMeasurement, convert.rssi_message),
@@ -48,6 +49,7 @@ class SerialBridgeNode(TrackingNode[SerialBridgeConfig]):
         self._intake = Intake(config, SCALES[config.lqi_scale])
         self._stations = Stations()
         self._sent_down = 0
+        self._conflicts: dict[int, float] = {}  # node -> when two radios last bore its id
         self._outputs = {kind: self.give(cls, topic, qos.MEASUREMENTS) for kind, (topic, cls, _) in OUTPUTS.items()}
         self._link = self.create_publisher(msg.LinkStatus, 'link_status', qos.LATCHED_LAST)
         self._topology = self.create_publisher(msg.Topology, 'topology', qos.LATCHED_LAST)
@@ -78,6 +80,8 @@ class SerialBridgeNode(TrackingNode[SerialBridgeConfig]):
             self._stations.see(received)
             taken = self._intake.take(received)
             if taken is not None:
+                if taken.judged.conflict:
+                    self._conflicts[taken.report.payload.node_id] = time.monotonic()
                 self._publish(self._bridge.take(taken, time.monotonic_ns()))
 
     def _end_epochs(self) -> None:
@@ -135,8 +139,14 @@ class SerialBridgeNode(TrackingNode[SerialBridgeConfig]):
         return {**self._session.counters, **self._intake.counters, **self._bridge.counters}
 
     def health(self) -> Health:
-        """The link; requests that stopped."""
-        return link(self._session.status.up, self._session.status.error, super().health())
+        """The link; requests that stopped; what is wrong with the radios."""
+        now = time.monotonic()
+        conflicting = [node for node, then in self._conflicts.items() if now - then < WARNED]
+        strange = self._intake.counters['lqi_unreachable'] > 0
+        radios = radio(conflicting, scale_words(self._intake.lqis, self.config.lqi_scale) if strange else '')
+        if radios.level != OK:
+            self.get_logger().warning(radios.sentence, throttle_duration_sec=WARNED)
+        return worst(link(self._session.status.up, self._session.status.error, super().health()), radios)
 
     def state(self) -> Mapping[str, Any]:
         """Every counter of the line."""

@@ -16,7 +16,7 @@ from nav_msgs.msg import Odometry
 from std_msgs.msg import String
 from wsn_tracking_msgs import msg
 
-from wsn_tracking.airwaves import air_epochs, recording_of
+from wsn_tracking.airwaves import air_epochs, on_board, recording_of
 from wsn_tracking.models.anchors import Floats
 from wsn_tracking.node_parameters.serial import SinkSimulatorConfig
 from wsn_tracking.nodes import convert, qos
@@ -52,7 +52,7 @@ class SinkSimulator(TrackingNode[SinkSimulatorConfig]):
         self._speed = config.rate or AT_ONCE
         self._ended_at: float | None = None
         self._steady_to_stamp = time.time_ns() - time.monotonic_ns()
-        self._simulator = Simulator(config, self._epochs, time.monotonic())
+        self._simulator = Simulator(config, self._epochs, time.monotonic(), on_board(config.traffic.alpha))
         self._stop = threading.Event()
         self._failed: Exception | None = None
         port = PtyPort(config.link)

@@ -60,6 +60,7 @@ class Intake:
 
     def __init__(self, clock: ClockConfig, scale: Scale) -> None:
         self.counters = dict.fromkeys(COUNTERS, 0)
+        self.lqis: set[int] = set()  # all that have come
         self._config = clock
         self._reachable = reachable(scale)
         self._nodes = Nodes()
@@ -81,7 +82,9 @@ class Intake:
         counters['lost_messages'] += judged.lost
         counters['address_changes'] += judged.moved
         counters['address_conflicts'] += judged.conflict
-        counters['lqi_unreachable'] += item.lqi is not None and item.lqi not in self._reachable
+        if item.lqi is not None:
+            self.lqis.add(item.lqi)
+            counters['lqi_unreachable'] += item.lqi not in self._reachable
         return Taken(item, time_ns, judged)
 
     def _time(self, report: Report, arrival_ns: int) -> int:

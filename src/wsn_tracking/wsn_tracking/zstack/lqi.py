@@ -6,7 +6,7 @@ number of its own, so that the way back is exact; 0 and 255 stand for everything
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from typing import NamedTuple
 
 TOP = 255
@@ -57,3 +57,18 @@ def check_scale(lqis: Iterable[int], scale: Scale) -> ScaleCheck:
     """Whether a radio's LQIs can be of that scale: a single one that cannot says that another is configured."""
     seen = list(lqis)
     return ScaleCheck(len(seen), tuple(sorted(set(seen) - reachable(scale))))
+
+
+def scale_words(lqis: Collection[int], name: str) -> str:
+    """What the LQIs of messages say of the scale of that name, one of SCALES, and what to do."""
+    if not lqis:
+        return f'none seen: scale {name} not checked'
+    checks = {each: check_scale(lqis, scale) for each, scale in SCALES.items()}
+    fitting = [each for each, check in checks.items() if not check.unreachable]
+    if name not in fitting:
+        strange = checks[name].unreachable
+        listed = ' '.join(map(str, strange[:8])) + ' ...' * (len(strange) > 8)
+        advice = f'set lqi_scale to {fitting[0]}' if fitting else 'no known scale fits'
+        return f'{len(lqis)} seen, scale {name} cannot give {listed}: {advice}'
+    others = ', '.join(each for each in fitting if each != name)
+    return f'{len(lqis)} seen, all fit scale {name}' + (f'; too few to rule out {others}' if others else '')

@@ -18,6 +18,7 @@ from wsn_tracking.zstack.firmware.chip import Mote
 from wsn_tracking.zstack.firmware.flavour import FLAVOURS
 from wsn_tracking.zstack.frames import Frame, encode_frame
 from wsn_tracking.zstack.lqi import SCALES
+from wsn_tracking.zstack.on_board import Judge, in_radius
 from wsn_tracking.zstack.payload import DOWN, Payload, decode_payload
 from wsn_tracking.zstack.records import FeedbackRecord, SensingRecord
 from wsn_tracking.zstack.simulator_settings import SimulatorConfig
@@ -47,19 +48,23 @@ class Told(NamedTuple):
 
 
 Action = bytes | Plug
+Witness = Callable[[Message, bool], None]  # a message that the radio received, and whether the host is given it
 
 
 class Simulator:
-    """The sink and everything behind it."""
+    """The sink and everything behind it; `witness` is told of every message at the moment it is said."""
 
-    def __init__(self, config: SimulatorConfig, epochs: Sequence[AirEpoch], now: float = 0.0) -> None:
-        """The sink is plugged in at `now`."""
+    def __init__(
+        self, config: SimulatorConfig, epochs: Sequence[AirEpoch], now: float = 0.0, on_board: Judge = in_radius
+    ) -> None:
+        """The sink is plugged in at `now`; `on_board`: the trigger of nodes that have one."""
         check_carries(config.sink_protocol, config.traffic.payload, epochs)
         self._config = config
-        self._epochs = epochs
+        self._epochs = list(epochs)
         self.faults = parse_faults(config.faults, config.fault_time, config.seed)
         self.device = self._device(now)
-        self.traffic = Traffic(config.traffic, config.radio, SCALES[config.lqi_scale], config.seed)
+        self.traffic = Traffic(config.traffic, config.radio, SCALES[config.lqi_scale], config.seed, on_board)
+        self.witness: Witness = lambda message, given: None
         self.told: deque[Told] = deque(maxlen=MAX_TOLD)
         self.counters: Counter[str] = Counter()
         self.sent: list[float] = []  # when each epoch was sent, so far
@@ -79,6 +84,18 @@ class Simulator:
         self._announce()
         if self._epochs:
             self._agenda.at(now, lambda: self._epoch(0, now))
+
+    def go_on(self, epochs: Sequence[AirEpoch], now: float) -> None:
+        """More epochs, from `now` on, behind a world that has finished."""
+        self._advance(now)
+        first, lasted = len(self._epochs), self._after(epochs[0].time_s)
+        self._epochs += epochs
+        self._agenda.at(now, lambda: self._epoch(first, now - lasted))
+
+    def happen(self, happening: Happening, now: float) -> None:
+        """A fault that strikes now."""
+        self._advance(now)
+        self._happen(happening)
 
     def hear(self, data: bytes, now: float) -> None:
         """What the host says."""
@@ -166,9 +183,13 @@ class Simulator:
         for message in messages:
             self._agenda.at(message.time_s, lambda message=message: self._receive(message))  # type: ignore[misc]
         if not is_last:
-            rate = self._config.rate
-            after = (self._epochs[index + 1].time_s - self._epochs[0].time_s) / rate if rate else 0.0
+            after = self._after(self._epochs[index + 1].time_s)
             self._agenda.at(max(start + after, now), lambda: self._epoch(index + 1, start))
+
+    def _after(self, time_s: float) -> float:
+        """How long after the first epoch."""
+        rate = self._config.rate
+        return (time_s - self._epochs[0].time_s) / rate if rate else 0.0
 
     def _announce(self) -> None:
         self.device.chip.motes.update({node.short: node.mote for node in self.traffic.nodes.values()})
@@ -177,9 +198,12 @@ class Simulator:
         """The sink's radio has received a message."""
         if not self._speaks:
             self.counters['messages_in_outage'] += 1
+            self.witness(message, False)
             return
         self.counters['messages'] += 1
-        for data in self._uplink(message, self._now):
+        said = self._uplink(message, self._now)
+        self.witness(message, bool(said))
+        for data in said:
             self._write(data)
 
     # ---- what happens to the sink

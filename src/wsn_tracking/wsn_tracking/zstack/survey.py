@@ -13,12 +13,11 @@ from wsn_tracking.zstack.commands import (
     SysVersionRsp,
     UtilGetDeviceInfoRsp,
     ZdoExtNwkInfoRsp,
-    ZdoMgmtLqiRsp,
     decode,
 )
 from wsn_tracking.zstack.describe import TYPES, describe_command
 from wsn_tracking.zstack.frames import Frame
-from wsn_tracking.zstack.lqi import SCALES, check_scale
+from wsn_tracking.zstack.lqi import scale_words
 from wsn_tracking.zstack.payload import PayloadType
 from wsn_tracking.zstack.protocols import Item
 from wsn_tracking.zstack.reports import Report
@@ -51,9 +50,7 @@ class Survey:
         elif isinstance(said, ZdoExtNwkInfoRsp):
             self._network = said
         elif isinstance(said, AfIncomingMsg):
-            self._lqis.append(said.lqi)
-        elif isinstance(said, ZdoMgmtLqiRsp):
-            self._lqis += [neighbour.lqi for neighbour in said.neighbours]
+            self._lqis.append(said.lqi)  # those of neighbour tables are of no scale: stacks smooth them
         if isinstance(item, Report):
             self._reports[item.payload.type] += 1
             self._nodes.add(item.payload.node_id)
@@ -74,7 +71,7 @@ class Survey:
             info = self._network
             yield f'network   channel {info.channel}, PAN {info.pan_id:#06x}, extended PAN {info.ext_pan:#018x}'
         yield f'reports   {self._told() or "none"}'
-        yield f'LQI       {self._scale(lqi_scale)}'
+        yield f'LQI       {scale_words(self._lqis, lqi_scale)}'
         if self._rejected:
             yield 'rejected  ' + ', '.join(f'{reason} {n}' for reason, n in sorted(self._rejected.items()))
 
@@ -83,15 +80,3 @@ class Survey:
             return ''
         kinds = ', '.join(f'{n} x {TYPES[PayloadType(kind)]}' for kind, n in sorted(self._reports.items()))
         return f'{kinds}, of nodes {" ".join(map(str, sorted(self._nodes)))}'
-
-    def _scale(self, lqi_scale: str) -> str:
-        if not self._lqis:
-            return f'none seen: scale {lqi_scale} not checked'
-        checks = {name: check_scale(self._lqis, scale) for name, scale in SCALES.items()}
-        check = checks[lqi_scale]
-        if not check.unreachable:
-            return f'{check.seen} seen, all fit scale {lqi_scale}'
-        strange = ' '.join(map(str, check.unreachable[:8])) + ' ...' * (len(check.unreachable) > 8)
-        fitting = [name for name, other in checks.items() if not other.unreachable]
-        advice = f'set lqi_scale to {fitting[0]}' if fitting else 'no known scale fits'
-        return f'{check.seen} seen, scale {lqi_scale} cannot give {strange}: {advice}'

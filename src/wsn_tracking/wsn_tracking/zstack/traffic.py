@@ -18,6 +18,7 @@ from wsn_tracking.zstack.beacons import MODULUS as BEACONS
 from wsn_tracking.zstack.duplicates import SEQ_MODULUS, TIME_MODULUS
 from wsn_tracking.zstack.firmware.chip import Mote
 from wsn_tracking.zstack.lqi import Scale, lqi_of
+from wsn_tracking.zstack.on_board import Judge, Thresholds, in_radius
 from wsn_tracking.zstack.payload import Flag, Payload, PayloadType, encode_payload
 from wsn_tracking.zstack.protocols import Radio
 from wsn_tracking.zstack.records import RangeRecord, RssiRecord, SensingRecord
@@ -44,7 +45,11 @@ class TrafficConfig:
     max_hops: int = param(2, 'hops of the node that is farthest off', 'hops', 1, 30)
     heartbeat: float = param(10.0, 'how often a node says that it lives; 0: never', 's', 0.0, 86400.0)
     drift: float = param(20.0, 'crystals of the nodes are wrong by up to so much', 'ppm', 0.0, 1000.0)
-    event_triggered: bool = param(False, 'the nodes say that they trigger on board')
+    event_triggered: bool = param(False, 'the nodes trigger on board, and say so (seed 000, eq. 1 and 2)')
+    y_min: float = param(-128.0, 'service radius of the nodes, until a sensing command sets it', 'dBm', -128.0, 127.0)
+    e_min: float = param(0.2, 'on board: smaller changes are no news, until a command sets it', 'dB', 0.0, 100.0)
+    e_max: float = param(0.6, 'on board: larger changes are noise, until a command sets it', 'dB', 0.0, 200.0)
+    alpha: float = param(0.3, 'on board: weight of the past in the pre-filter', '', 0.0, 1.0)
     synchronised: bool = param(False, 'the clocks of the nodes are one, and the nodes say so')
     battery: int = param(3000, 'voltage that nodes report; 0: unknown', 'mV', 0, 5100)
 
@@ -98,11 +103,12 @@ class Node:
     hops: int
     relay: int  # who transmits the last hop
     last_hop_dbm: int
+    thresholds: Thresholds
     seq: int = 0
     booted_s: float = 0.0  # where its clock was 0
     drift: float = 0.0
     active: bool = True
-    y_min: int = -128
+    yhat: float = math.nan  # the signal as its trigger has filtered it
     heartbeat_s: float = math.inf  # the next
     sent_s: float = -math.inf  # its last message: none leaves before it
 
@@ -124,8 +130,12 @@ class Node:
 class Traffic:
     """The motes, and what they say. Draws are keyed by seed, node and epoch: nothing that goes wrong shifts them."""
 
-    def __init__(self, config: TrafficConfig, radio: Radio, scale: Scale, seed: int) -> None:
+    def __init__(
+        self, config: TrafficConfig, radio: Radio, scale: Scale, seed: int, on_board: Judge = in_radius
+    ) -> None:
+        """`on_board`: the trigger of nodes that have one."""
         self.nodes: dict[int, Node] = {}
+        self._judge = on_board if config.event_triggered else in_radius
         self._config = config
         self._radio = radio
         self._scale = scale
@@ -159,9 +169,12 @@ class Traffic:
         return sorted(said, key=lambda message: message.time_s)
 
     def hears(self, reading: Reading) -> bool:
-        """Whether a node reports what it measured: those at rest do not, nor what is below the service radius."""
+        """Whether a node reports what it measured: those at rest measure nothing; signals are up to its trigger."""
         node = self.nodes[reading.node_id]
-        return node.active and (reading.rssi_dbm is None or reading.rssi_dbm >= node.y_min)
+        if not node.active or reading.rssi_dbm is None or math.isnan(reading.rssi_dbm):
+            return node.active
+        node.yhat, is_sent = self._judge(node.thresholds, node.yhat, reading.rssi_dbm)
+        return is_sent
 
     def heartbeats(self, now: float) -> list[Message]:
         """Those that are due."""
@@ -176,7 +189,8 @@ class Traffic:
         """What the host wants of a node."""
         node = self.nodes.get(record.node_id)
         if node is not None:
-            node.active, node.y_min = bool(record.active), record.y_min
+            node.active = bool(record.active)
+            node.thresholds = Thresholds(record.y_min, record.e_min, record.e_max)
 
     # ---- within
 
@@ -198,6 +212,7 @@ class Traffic:
             hops,
             relay=short if hops == 1 else FIRST_ADDRESS + ADDRESSES,
             last_hop_dbm=draw.randint(*LAST_HOP_DBM),
+            thresholds=Thresholds(config.y_min, config.e_min, config.e_max),
             booted_s=now - draw.uniform(1.0, 1000.0),
             drift=draw.uniform(-config.drift, config.drift) * 1e-6,
         )
