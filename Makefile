@@ -18,6 +18,7 @@ build:
 study:
 	./env python -m wsn_tracking.evaluation.study -o docs/results
 	./env python -m wsn_tracking.live_study -o docs/results
+	./env python -m wsn_tracking.serial_study -o docs/results
 
 # make bench JSON=path writes the table for machines, too. A peer that cannot be installed is left out of it.
 bench:

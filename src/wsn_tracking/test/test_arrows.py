@@ -40,6 +40,7 @@ ROOMS = {
     'bridging': ('sensing', 'zstack'),
     'airwaves': ('graphs', 'zstack'),
     'live_study': ('offline', 'processes'),
+    'serial_study': ('airwaves', 'processes'),
     'benchmarks': ('offline', 'processes'),
     'documentation': ('node_parameters', 'bags'),
     'nodes': ('evaluation', 'bridging', 'airwaves', 'offline'),

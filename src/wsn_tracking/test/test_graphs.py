@@ -362,3 +362,23 @@ def test_a_section_of_no_node_is_refused_with_the_nearest_name(tmp_path):
     source = source_of('a_loop', a_loop(3))
     with pytest.raises(TrackingError, match=r'estimater_1.*estimator_1'):
         planned(source, str(path))
+
+
+# ---- live, behind a serial line
+
+
+def test_nobody_waits_for_a_window_behind_a_serial_line():
+    """A sink cannot be told to wait: nobody but peers takes estimates, and nobody is promised more."""
+    for process in graphs.serial():
+        promised = [entry.partition('=')[0] for entry in process.parameters['expected_subscribers']]
+        assert not [topic for topic in promised if topic.startswith('estimate/fused')]
+        assert 'estimate/fused_1' not in process.takes
+
+
+def test_no_epoch_is_given_up_before_the_bridge_ends_it():
+    slow = {p.name: p for p in graphs.serial(settings={'period': 4.0})}
+    assert slow['sensing'].parameters['loss_timeout'] == slow['estimator_2'].parameters['loss_timeout'] == 4.0
+    quick = {p.name: p for p in graphs.serial(settings={'period': 0.1})}
+    assert quick['sensing'].parameters['loss_timeout'] == 1.0
+    with pytest.raises(TrackingError, match='ends an epoch after 2 s, but `loss_timeout` is 1 s'):
+        graphs.serial(settings={'period': 0.1, 'epoch_timeout': 2.0})

@@ -148,6 +148,8 @@ def test_world_goes_on_after_its_end():
     began = host.now
     host.simulator.go_on(more, host.now)
     assert not host.simulator.finished
+    with pytest.raises(TrackingError, match='2 epochs are still to come'):
+        host.simulator.go_on(more, host.now)
     host.until(host.now + 1.0)
     assert host.simulator.finished
     assert host.heard() == expected([*epochs(3), *more])

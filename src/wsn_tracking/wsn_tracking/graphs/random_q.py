@@ -42,7 +42,7 @@ class RandomQPlan(NamedTuple):
 
     def window(self, how: How) -> tuple[str, ...]:
         """The outputs that the feed stays close to."""
-        return tuple(f'fused_{values["id"]}' for values in self.estimators)
+        return () if how.live else tuple(f'fused_{values["id"]}' for values in self.estimators)
 
     @property
     def parameters(self) -> Values:
@@ -116,6 +116,7 @@ def _from_metadata(source: Source) -> dict[str, Any]:
             values['target_height'] = float(source.metadata['target_height'])
         if 'period' in source.metadata:
             values['fusion_timeout'] = 0.2 * float(source.metadata['period'])
+            values['loss_timeout'] = max(1.0, float(source.metadata['period']))
     except ValueError as error:
         raise not_a_number(source, error) from error
     return values

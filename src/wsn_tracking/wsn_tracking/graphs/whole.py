@@ -5,9 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 
 from wsn_tracking.configuration import load_configuration
+from wsn_tracking.errors import TrackingError
 from wsn_tracking.graphs.parts import How, Process, Source, complete, open_bag, source_of, targets_of
 from wsn_tracking.graphs.plans import plans_of
 from wsn_tracking.graphs.random_q import BRIDGE, plan_random_q
+from wsn_tracking.node_parameters.common import AssemblyConfig
 from wsn_tracking.node_parameters.serial import SerialBridgeConfig
 from wsn_tracking.parameters import Values, build
 from wsn_tracking.simulation.record import record as record_scenario
@@ -105,9 +107,16 @@ def serial(
         metadata={'period': f'{bridge.period:g}'},
         topics=('request', 'rssi', 'epoch_end'),
     )
+    plan = plan_random_q(source, loaded, settings)
+    for values in (plan.sensing, *plan.estimators):
+        if values is not None and bridge.ends_after >= (patience := build(AssemblyConfig, values).loss_timeout):
+            raise TrackingError(
+                f'the bridge ends an epoch after {bridge.ends_after:g} s, but `loss_timeout` is {patience:g} s: '
+                'set it above `epoch_timeout` (0.4 `period`), or epochs are given up before they end'
+            )
     return complete(
         source,
-        [plan_random_q(source, loaded, settings)],
+        [plan],
         Process('serial_bridge_node', BRIDGE, given),
         How(live=True, settings=settings or {}),
         evaluator=evaluator,

@@ -37,6 +37,11 @@ class SerialBridgeConfig(LinkConfig, ClockConfig):
     topology_period: float = param(30.0, 'how often the sink is asked for its neighbours; 0: never', 's', 0.0, 86400.0)
     anchors: AnchorsConfig = group(AnchorsConfig)
 
+    @property
+    def ends_after(self) -> float:
+        """How long after its first word an epoch ends [s]."""
+        return self.epoch_timeout or 0.4 * self.period
+
 
 @dataclass(frozen=True)
 class SinkSimulatorConfig(SimulatorConfig):

@@ -43,8 +43,7 @@ class SerialBridgeNode(TrackingNode[SerialBridgeConfig]):
     def __init__(self) -> None:
         super().__init__('serial_bridge_node', SerialBridgeConfig)
         config = self.config
-        timeout = config.epoch_timeout or 0.4 * config.period
-        rules = Rules(round(timeout * 1e9), config.range_modality, node_map(config.node_map))
+        rules = Rules(round(config.ends_after * 1e9), config.range_modality, node_map(config.node_map))
         self._bridge = Bridge(rules, time.time_ns() - time.monotonic_ns())
         self._intake = Intake(config, SCALES[config.lqi_scale])
         self._stations = Stations()

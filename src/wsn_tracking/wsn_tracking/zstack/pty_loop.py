@@ -26,12 +26,16 @@ class PtyLoop:
         self.simulator = simulator
         self.lost_bytes = 0
         self.begun: float | None = None  # when the world began (time.monotonic)
-        self.finished = False  # whether everything was sent
         self._port = port
         self._may_begin = may_begin
         self._stop = stop
         self._waiting: deque[bytes] = deque()
         self._size = 0
+
+    @property
+    def finished(self) -> bool:
+        """Whether everything was sent."""
+        return self.begun is not None and self.simulator.finished and not self._waiting
 
     def run(self) -> None:
         """Until told to stop; the port is gone then."""
@@ -50,7 +54,6 @@ class PtyLoop:
         if self.begun is None and self.simulator.delivers and self._may_begin():
             self.begun = time.monotonic()
             self.simulator.begin(self.begun)
-        self.finished = self.begun is not None and self.simulator.finished and not self._waiting
         wait = min(max(self.simulator.due - time.monotonic(), 0.0), LONGEST_WAIT_S)
         self._port.wait(wait, writable=bool(self._waiting))
         if self._port.plugged:

@@ -11,6 +11,7 @@ from collections.abc import Callable, Sequence
 from enum import Enum
 from typing import NamedTuple
 
+from wsn_tracking.errors import TrackingError
 from wsn_tracking.zstack.agenda import Agenda
 from wsn_tracking.zstack.device import DEFAULT_NETWORK, Device
 from wsn_tracking.zstack.faults import Event, Happening, parse_faults
@@ -86,8 +87,10 @@ class Simulator:
             self._agenda.at(now, lambda: self._epoch(0, now))
 
     def go_on(self, epochs: Sequence[AirEpoch], now: float) -> None:
-        """More epochs, from `now` on, behind a world that has finished."""
+        """More epochs, from `now` on, behind those that were sent; TrackingError where some are still to come."""
         self._advance(now)
+        if len(self.sent) < len(self._epochs):
+            raise TrackingError(f'{len(self._epochs) - len(self.sent)} epochs are still to come: wait for them')
         first, lasted = len(self._epochs), self._after(epochs[0].time_s)
         self._epochs += epochs
         self._agenda.at(now, lambda: self._epoch(first, now - lasted))
