@@ -4,62 +4,32 @@ from __future__ import annotations
 
 import argparse
 import contextlib
-import dataclasses
 import os
 import signal
 import subprocess
 import sys
-import threading
-import time
 
 import pytest
 from nav_msgs.msg import Odometry
-from sink_cases import QUIET, epochs, expected
+from sink_cases import epochs, expected
 from std_msgs.msg import String
 from wsn_tracking_msgs import msg
 
 import live
 from observer import observing
+from radio import PATIENCE, Heard, Radio, until
 from wsn_tracking.commands import sink_simulate
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.nodes import convert, qos
 from wsn_tracking.processes import executable
 from wsn_tracking.zstack import commands as c
-from wsn_tracking.zstack.clock import ClockConfig
-from wsn_tracking.zstack.intake import Intake
-from wsn_tracking.zstack.link import LinkEvent
-from wsn_tracking.zstack.lqi import SCALES
 from wsn_tracking.zstack.port import open_port
-from wsn_tracking.zstack.pty_loop import PtyLoop
 from wsn_tracking.zstack.pty_port import PtyPort
-from wsn_tracking.zstack.session import Session
-from wsn_tracking.zstack.settings import FormConfig, LinkConfig, TimeoutConfig
-from wsn_tracking.zstack.simulator import Simulator
-from wsn_tracking.zstack.simulator_settings import SimulatorConfig
+from wsn_tracking.zstack.settings import FormConfig
 
-PATIENCE = 20.0  # [s] far beyond what anything here takes
-FAST = TimeoutConfig(
-    settle=0.01,
-    gap=0.05,
-    ping=0.2,
-    wake=0.05,
-    reply=0.3,
-    startup=1.0,
-    reset=1.0,
-    commissioning=2.0,
-    idle=0.05,
-    reopen_first=0.02,
-    reopen_last=0.05,
-)
 WORLD = epochs(12, nodes=6)
 RATE = 60.0
-
-
-def until(condition, what):
-    end = time.monotonic() + PATIENCE
-    while not condition():
-        assert time.monotonic() < end, what
-        time.sleep(0.005)
+MARGIN_NS = 200_000_000  # what a busy machine may hold up every message of a run
 
 
 @pytest.fixture
@@ -69,69 +39,29 @@ def link(tmp_path):
 
 @pytest.fixture
 def sink(link):
-    """Starts a sink in a thread; all are ended."""
+    """Starts simulated sinks; all are ended."""
     with contextlib.ExitStack() as stack:
 
-        def start(*faults, world=WORLD, may_begin=lambda: True, **config):
-            values = {'rate': RATE, 'fault_time': 0.3, 'traffic': QUIET, **config}
-            settings = SimulatorConfig(link=str(link), faults=faults, **values)
-            ended = threading.Event()
-            port = PtyPort(settings.link)
-            loop = PtyLoop(Simulator(settings, world, time.monotonic()), port, may_begin, ended.is_set)
-            port.plug()
-            thread = threading.Thread(target=loop.run)
-            stack.callback(thread.join)
-            stack.callback(ended.set)
-            thread.start()
-            return loop
+        def start(world=WORLD, **config):
+            made = Radio(link, world, **{'rate': RATE, **config})
+            stack.enter_context(made.running())
+            return made
 
         yield start
 
 
 @pytest.fixture
 def host(link):
-    """A host of this project; `ran()` gives what it has judged."""
+    """Starts hosts of this project; all are closed."""
     with contextlib.ExitStack() as stack:
 
         def start(**config):
-            session = Session(LinkConfig(port=str(link), **{'timeout': FAST, **config}))
-            stack.callback(session.close)
-            session.start()
-            return Heard(session)
+            made = Heard(link, **config)
+            stack.callback(made.session.close)
+            made.session.start()
+            return made
 
         yield start
-
-
-class Heard:
-    """What a session delivered."""
-
-    def __init__(self, session):
-        self.session = session
-        self.received = []
-        self.intake = Intake(ClockConfig(), SCALES['cc2530'])
-        self.new = []
-
-    def take(self):
-        received = self.session.inbox.take()
-        self.received += received
-        self.new += [t for t in map(self.intake.take, received) if t is not None and t.is_new]
-
-    def events(self, kind):
-        self.take()
-        return sum(isinstance(item, LinkEvent) and item.kind == kind for item, _ in self.received)
-
-    @property
-    def heard(self):
-        payloads = [taken.report.payload for taken in self.new]
-        return sorted((p.node_id, r.beacon_seq, r.rssi_dbm) for p in payloads for r in p.records)
-
-    def after(self, loop):
-        """Everything, when the sink has sent everything, and has answered a ping after that."""
-        until(lambda: loop.finished, 'the end of the world')
-        bytes_heard = loop.simulator.counters['bytes_heard']
-        until(lambda: loop.simulator.counters['bytes_heard'] >= bytes_heard + 10, 'two pings')
-        self.take()
-        return self
 
 
 # ---- the port
@@ -203,95 +133,46 @@ def test_line_that_nobody_reads_takes_no_more_and_is_no_error(link):
     port.unplug()
 
 
-# ---- sinks on it
+# ---- sinks on it (what can go wrong: test_sink_line.py)
 
 
 @pytest.mark.parametrize('flavour', ['home_1_2', 'zstack_3_0'])
-def test_host_attaches_and_gets_everything(sink, host, flavour):
-    heard = host()
-    loop = sink(flavour=flavour)
-    heard.after(loop)
-    assert heard.heard == expected(WORLD)
+def test_host_attaches_writes_nothing_and_gets_everything(sink, host, flavour):
+    radio = sink(flavour=flavour)
+    before = radio.simulator.device.chip.memory.content
+    heard = host().through(radio)
+    assert heard.measured == expected(WORLD)
     counters = heard.session.counters
     assert (counters['attached'], counters['lost'], counters['rpc_errors']) == (1, 0, 0)
     assert heard.session.status.sink.version.product == {'home_1_2': 0, 'zstack_3_0': 2}[flavour]
+    assert radio.simulator.device.chip.memory.content == before
 
 
 @pytest.mark.parametrize('flavour', ['home_1_2', 'zstack_3_0'])
 def test_host_forms_a_network(sink, host, flavour):
-    loop = sink(flavour=flavour, formed=False)
-    confirm = f'{loop.simulator.device.chip.memory.ieee:016x}'
-    heard = host(form=FormConfig(confirm, 20, 0x1234))
-    heard.after(loop)
-    assert heard.heard == expected(WORLD)
+    radio = sink(flavour=flavour, formed=False)
+    confirm = f'{radio.simulator.device.chip.memory.ieee:016x}'
+    heard = host(form=FormConfig(confirm, 20, 0x1234)).through(radio)
+    assert heard.measured == expected(WORLD)
     network = heard.session.status.network
     assert (network.channel, network.pan_id) == (20, 0x1234)
 
 
 def test_nothing_is_said_before_it_may_begin(sink, host):
-    allowed = threading.Event()
-    loop = sink(may_begin=allowed.is_set)
+    radio = sink()
     heard = host()
-    until(lambda: heard.events('up') and loop.simulator.counters['requests'] > 8, 'pings')
-    assert heard.new == []
-    assert loop.simulator.sent == []
-    allowed.set()
-    assert heard.after(loop).heard == expected(WORLD)
-
-
-@pytest.mark.parametrize(
-    'faults', [['byte_at_a_time'], ['batch=7', 'stale'], ['partial=0.1', 'garbage=0.5', 'boot_text']]
-)
-def test_line_faults_lose_nothing(sink, host, faults):
-    loop = sink(*faults)
-    assert host().after(loop).heard == expected(WORLD)
-    assert all(fault.strikes for fault in loop.simulator.faults)
-
-
-@pytest.mark.parametrize('fault', ['reset=10', 'unplug=10', 'mute=10'])
-def test_outages_end_and_the_rest_arrives(sink, host, fault):
-    heard = host(timeout=dataclasses.replace(FAST, ping=0.1))
-    loop = sink(fault, world=epochs(60, nodes=3))
-    heard.after(loop)
-    beacons = {beacon for _, beacon, _ in heard.heard}
-    outage = sorted(set(range(60)) - beacons)
-    assert beacons >= set(range(10))
-    assert max(outage, default=0) < 50
-    assert set(outage) <= set(range(10, 50))
-    counters = heard.session.counters
-    assert counters['resets' if fault == 'reset=10' else 'opened'] >= 1
-    if fault == 'unplug=10':
-        opened = [item.words for item, _ in heard.received if isinstance(item, LinkEvent) and item.kind == 'opened']
-        assert len(set(opened)) == 2
-
-
-@pytest.mark.parametrize('fault', ['missing_reply=0.4', 'late_reply=0.4', 'rpc_error=0.3'])
-def test_host_gets_there_in_spite_of_bad_answers(sink, host, fault):
-    heard = host(timeout=dataclasses.replace(FAST, reply=0.1, ping=0.1))
-    loop = sink(fault, seed=2, world=epochs(8, nodes=3))
-    heard.after(loop)
-    assert len({beacon for _, beacon, _ in heard.heard}) >= 4
-    assert loop.simulator.faults[0].strikes
-
-
-def test_second_host_is_kept_out_and_a_restarted_one_is_served(sink, host, link):
-    loop = sink(world=epochs(400))
-    first = host()
-    until(lambda: first.take() or len(first.new) > 10, 'reports')
-    with pytest.raises(TrackingError, match='in use'):
-        open_port(str(link), 115200, 1.0)
-    first.session.close()
-    second = host()
-    until(lambda: second.take() or len(second.new) > 10, 'reports again')
-    assert loop.simulator.device.chip.state == 9
-    assert second.session.status.up
+    until(lambda: heard.events('up') and radio.simulator.counters['requests'] > 8, 'pings')
+    assert heard.measured == []
+    assert radio.simulator.sent == []
+    assert heard.through(radio).measured == expected(WORLD)
 
 
 def test_host_can_speak_to_the_nodes(sink, host):
-    loop = sink(world=[])
+    radio = sink(world=[])
     heard = host()
-    until(lambda: heard.events('up'), 'the link')
-    until(lambda: loop.begun is not None, 'the beginning')
+    heard.until_up()
+    radio.may_begin.set()
+    until(lambda: radio.loop.begun is not None, 'the beginning')
     heard.session.ask(c.ZdoMgmtLqiReq(0, 0), c.ZdoMgmtLqiReqRsp)
     until(lambda: heard.take() or any(isinstance(i, c.ZdoMgmtLqiRsp) for i, _ in heard.received), 'its neighbours')
 
@@ -314,7 +195,7 @@ def test_node_serves_the_bridge_and_tells_the_truth(link):
         anchors = observer.collect(msg.Anchors, 'anchors', qos.LATCHED_LAST)
         expecting = 'expected_nodes:=[serial_bridge_node]'
         outputs = 'expected_subscribers:=[truth/target_1=1]'
-        sink = started(environment, link, 'rate:=60.0', 'linger:=0.5', expecting, outputs)
+        sink = started(environment, link, 'rate:=60.0', 'linger:=3.0', expecting, outputs)
         words = [str(executable('serial_bridge_node')), '--ros-args', '-p', f'port:={link}', '-p', 'period:=0.016']
         words += ['-p', 'epoch_timeout:=0.006', '-p', 'expected_subscribers:=[rssi=1]']
         bridge = subprocess.Popen(words, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
@@ -333,8 +214,8 @@ def test_node_serves_the_bridge_and_tells_the_truth(link):
     stamps = [convert.stamp_ns(m.header.stamp) for m in truth]
     measured = [convert.stamp_ns(m.header.stamp) for m in rssi]
     assert stamps == sorted(stamps)
-    assert min(measured) >= stamps[0] - 50_000_000
-    assert max(measured) <= stamps[-1]
+    assert min(measured) >= stamps[0] - MARGIN_NS
+    assert max(measured) <= stamps[-1] + MARGIN_NS
     assert not link.is_symlink()
 
 
@@ -389,12 +270,12 @@ def test_command_needs_no_ros_and_ends_when_told(link, host):
     try:
         heard = host()
         lines = [process.stdout.readline().rstrip() for _ in range(3)]
+        until(lambda: len(heard.measured) >= 1440, 'all measurements')
         process.send_signal(signal.SIGTERM)
         output, _ = process.communicate(timeout=PATIENCE)
     finally:
         process.kill()
     assert process.returncode == 0, output
-    until(lambda: heard.take() or len(heard.new) >= 1440, 'all measurements')
     lines += output.splitlines()
     assert lines[0].startswith(f'{link} -> /dev/pts/')
     assert lines[1:3] == ['a host listens: the nodes speak', 'all was sent']

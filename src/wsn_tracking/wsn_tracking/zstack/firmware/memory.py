@@ -108,6 +108,11 @@ class Memory:
         self._items[item] = value
 
     @property
+    def content(self) -> dict[int, bytes]:
+        """All items."""
+        return dict(self._items)
+
+    @property
     def ieee(self) -> int:
         """The address of the radio."""
         return int.from_bytes(self.get(Item.EXTADDR), 'little')
