@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from wsn_tracking.errors import TrackingError
-from wsn_tracking.evaluation import study, study_process_noise, study_random_q, study_triggers
+from wsn_tracking.evaluation import study, study_loss, study_process_noise, study_random_q, study_triggers
 from wsn_tracking.evaluation.intervals import change_of, mean_of, ratio_of
 
 
@@ -47,6 +47,15 @@ def test_every_study_of_system_a_runs_and_is_plain_json():
     assert results == json.loads(text)
     low, high = results['trigger_rate']['sent_of_in_radius']['alpha_0.3']['interval_95']
     assert 0.3 < low < high < 0.5
+
+
+def test_every_study_of_system_e_runs_and_is_plain_json():
+    results = {
+        'loss_rate': study_loss.loss_rate(runs=3, rates=(0.5,)),
+        'loss_kind': study_loss.loss_kind(runs=3, rates=(0.5,)),
+    }
+    assert set(results) == set(study.STUDIES['loss_tolerant'])
+    assert results == json.loads(json.dumps(results, allow_nan=False))
 
 
 def counted():

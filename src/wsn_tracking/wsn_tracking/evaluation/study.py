@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from wsn_tracking.errors import TrackingError
-from wsn_tracking.evaluation import study_process_noise, study_random_q, study_triggers
+from wsn_tracking.evaluation import study_loss, study_process_noise, study_random_q, study_triggers
 from wsn_tracking.files import write_whole
 
 COMMAND = 'python -m wsn_tracking.evaluation.study -o docs/results'
@@ -29,6 +29,10 @@ STUDIES: Mapping[str, Mapping[str, Study]] = {  # file: its studies
         'process_noise': study_process_noise.process_noise,
         'fusion_rules': study_process_noise.fusion_rules,
         'data_rate': study_triggers.data_rate,
+    },
+    'loss_tolerant': {
+        'loss_rate': study_loss.loss_rate,
+        'loss_kind': study_loss.loss_kind,
     },
 }
 

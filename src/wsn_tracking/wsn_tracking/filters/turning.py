@@ -14,9 +14,9 @@ from wsn_tracking.models.measurement import Function
 def predict(belief: Belief, f: Function, chol_Q: Floats, added: int, kappa: float = 0.0) -> Belief:
     """Moments of f(x) + w, w ~ N(0, Q): belief (..., n), f of states (..., K, n), chol_Q (..., n, n).
 
-    The first `added` states p are where a way g starts that depends on the others u alone, f(p, u) = [p, 0] + g(u). With
-    the root [[A, 0], [B, C]] of [u, p], the rule's points along C all make the same way: g is regressed over u with
-    kappa + added, and every moment is that of the rule over all n states. So an unscented kappa may be as low as
+    The first `added` states p are where a way g starts that depends on the others u alone: f(p, u) = [p, 0] + g(u).
+    With the root [[A, 0], [B, C]] of [u, p], the rule's points along C all make the same way: g is regressed over u
+    with kappa + added, and every moment is that of the rule over all n states. So an unscented kappa may be as low as
     -added without a covariance that is none, and the points are fewer.
     """
     m, chol_P = belief

@@ -42,7 +42,7 @@ def bernoulli(rate: float) -> Arrival:
 def bursts(rate: float, length: float) -> Arrival:
     """The stationary chain that loses a share `rate` in the long run, `length` epochs in a row on the average.
 
-    A loss ends with q = 1 / length, and p = q rate / (1 - rate). Losses that are shorter than Bernoulli's, 1 / (1 - rate)
+    A loss ends with q = 1 / length, and p = q rate / (1 - rate). Losses shorter than Bernoulli's, 1 / (1 - rate)
     epochs, would have to avoid each other: TrackingError.
     """
     if not 0.0 <= rate < 1.0:

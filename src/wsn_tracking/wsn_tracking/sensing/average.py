@@ -9,20 +9,21 @@ from wsn_tracking.sensing.values import NAN, Epoch, Measurement, Modality, Range
 
 USABLE_DBM = (-127.0, 20.0)  # what a receiver can say; +127 and -128 are how radios spell `no value`
 USABLE_M = 1e5  # no radio of a sensor network reaches so far
-USABLE_STD = 1e6  # [dB, m] a value with a larger deviation says nothing
+USABLE_STD = (1e-6, 1e6)  # [dB, m] no reading is so sure, and one with a larger deviation says nothing
 
 
 def usable(packet: Measurement) -> bool:
     """Whether the number can be true at all: a signal strength that radios can say, a positive finite range.
 
-    A deviation may be unknown (NaN), but not zero, negative or infinite. What a bearing lacks is NaN, a value too.
+    A deviation may be unknown (NaN), but not zero or nearly so, negative or infinite. What a bearing lacks is NaN, a
+    value too.
     """
     if isinstance(packet, Rssi):
         in_range = USABLE_DBM[0] <= packet.rssi_dbm <= USABLE_DBM[1]
-        return in_range and (math.isnan(packet.sigma_db) or 0.0 < packet.sigma_db < USABLE_STD)
+        return in_range and (math.isnan(packet.sigma_db) or USABLE_STD[0] <= packet.sigma_db < USABLE_STD[1])
     if isinstance(packet, Range):
         in_range = 0.0 < packet.range < USABLE_M
-        return in_range and (math.isnan(packet.variance) or 0.0 < packet.variance < USABLE_STD**2)
+        return in_range and (math.isnan(packet.variance) or USABLE_STD[0] ** 2 <= packet.variance < USABLE_STD[1] ** 2)
     return True
 
 

@@ -29,7 +29,7 @@ LEG = 15  # epochs between turns that are drawn; the first leg is straight
 TURNS = (4.0, 10.0)  # [deg/s]
 BACK = 9.0  # [deg/s] of the turn back
 INSIDE = (10.0, 90.0)  # [m] beyond which a walk is turned back, in x and y alike
-AREA = (-10.0, -10.0, 110.0, 110.0)  # [m] a walk that turns back needs its radius of 19 m
+FIELD = (0.0, 100.0)  # [m] in x and y alike; a walk that turns back may leave it for a while
 
 
 @dataclass(frozen=True)
@@ -102,15 +102,17 @@ def read(anchors: Anchors, x: Floats, arrived: Mask, normals: Floats) -> Floats:
 
 
 def e_loss(config: LossConfig | None = None) -> Scenario:
-    """One walk, and losses as the configuration says."""
+    """One walk, and losses as the configuration says; `area` holds both the field and the walk."""
     config = config or LossConfig()
     config.losses()
     truth = walks(config, keyed(config.seed, WORLD, 0).random((legs(config), 2)))
+    low = np.floor(np.minimum(FIELD[0], truth[:, :2].min(axis=0))).tolist()
+    high = np.ceil(np.maximum(FIELD[1], truth[:, :2].max(axis=0))).tolist()
     return Scenario(
         name='e_loss',
         configuration='loss_tolerant',
         anchors=anchors_of(config),
-        area=AREA,
+        area=(low[0], low[1], high[0], high[1]),
         period=PERIOD,
         truth=truth[:, :4],
         entry_level='rssi',

@@ -12,9 +12,10 @@ import numpy as np
 
 from wsn_tracking.filters.belief import Belief
 from wsn_tracking.filters.robust import gated
-from wsn_tracking.filters.start import Area, Sight, area_of, likelihood_start
+from wsn_tracking.filters.start import Sight, area_of, likelihood_start
 from wsn_tracking.models.anchors import Anchors
 from wsn_tracking.models.motion import TURNING_STATES
+from wsn_tracking.models.region import region_of
 from wsn_tracking.sensing.average import usable
 from wsn_tracking.sensing.channel import calibrated
 from wsn_tracking.sensing.values import Epoch, Measurement, Modality, Range, RangeBearing
@@ -26,6 +27,7 @@ from wsn_tracking.trackers.readings import MeasurementTable, Readings
 from wsn_tracking.trackers.turning import filter_of, with_turn
 
 OUTPUT = 'loss_tolerant'
+RUNAWAY = 10.0  # times the standard deviation of a starting velocity: no target
 MEMORY = 0.05  # weight of an epoch in the share of packets that arrive
 
 
@@ -34,7 +36,7 @@ class LossTolerantTracker:
 
     A reading is lost (gamma = 0) when it is not in the epoch that its deadline closed. `counters` tells what was
     dropped (`invalid` numbers, an `unknown_node`, `gated`), how often a stamp fell (`stamp_fell`), and tracks given up
-    (`reacquired_after_silence`, `reacquired_after_rejects`).
+    (`reacquired_after_silence`, `reacquired_after_rejects`, `reacquired_after_divergence`).
     """
 
     outputs = (OUTPUT,)
@@ -46,7 +48,7 @@ class LossTolerantTracker:
         self._table = MeasurementTable(
             anchors, config.target_height, UpdateConfig(range_std=config.update.range_std), radio_map
         )
-        self._area: Area = (*config.area,) if config.area else area_of(anchors)
+        self._area = tuple(config.area) or area_of(anchors)
         self._filter = filter_of(config)
         self.counters: Counter[str] = Counter()
         self.reset()
@@ -137,9 +139,22 @@ class LossTolerantTracker:
         z, h, noise, used = self._gate(predicted, readings)
         self._belief = keep_inside(self._filter.update(predicted, z, h, noise), self.config.area)
         rejects = self.config.reacquire.rejects
-        if rejects and self._rejects >= rejects:
+        if self._is_nowhere(self._belief):
+            self._start_anew('reacquired_after_divergence')
+        elif rejects and self._rejects >= rejects:
             self._start_anew('reacquired_after_rejects')
         return used
+
+    def _is_nowhere(self, belief: Belief) -> bool:
+        """Whether a filter has run away: off the area by more than its size, or faster than anything that starts here.
+
+        It happens after long silence, when readings are far from linear over what is possible.
+        """
+        m = belief.m
+        x_min, y_min, x_max, y_max = region_of(self._area).box
+        wide = max(x_max - x_min, y_max - y_min)
+        near = x_min - wide <= m[0] <= x_max + wide and y_min - wide <= m[1] <= y_max + wide
+        return not (near and math.hypot(m[2], m[3]) <= RUNAWAY * self.config.start.speed)
 
     def _gate(self, predicted: Belief, readings: Readings) -> Readings:
         """The readings without those that are too far from their prediction, which are counted."""

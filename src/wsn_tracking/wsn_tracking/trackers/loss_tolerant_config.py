@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from wsn_tracking.errors import TrackingError
+from wsn_tracking.models.region import region_of
 from wsn_tracking.parameters import group, param
 from wsn_tracking.trackers.random_q_config import StartConfig
 
@@ -62,7 +63,9 @@ class LossTolerantConfig:
         choices=('ckf', 'ekf', 'ukf', 'hold'),
     )
     kappa: float = param(LEAST_KAPPA, 'ukf: of its points, 3 - n; 0 is ckf', '', LEAST_KAPPA, 100.0)
-    area: tuple[float, ...] = param((), 'x_min, y_min, x_max, y_max that positions are kept in; empty: not kept', 'm')
+    area: tuple[float, ...] = param(
+        (), 'that positions are kept in: x_min, y_min, x_max, y_max, or x, y of each corner; empty: not kept', 'm'
+    )
     target_height: float = param(0.0, 'height at which the target moves', 'm', -1e4, 1e4)
     channel: str = param(
         '', 'file of `calibrate` with the radios of the nodes and, for signal strengths, their map; empty: the anchors'
@@ -75,8 +78,8 @@ class LossTolerantConfig:
 
     def checked(self) -> LossTolerantConfig:
         """Itself, or TrackingError where fields contradict each other."""
-        if self.area and not (len(self.area) == 4 and self.area[0] < self.area[2] and self.area[1] < self.area[3]):
-            raise TrackingError(f'`area` is {list(self.area)}: expected x_min, y_min, x_max, y_max with min < max')
+        if self.area:
+            region_of(tuple(self.area))
         if len(self.start.mean) != 4 or len(self.start.std) != 4:
             raise TrackingError('`start.mean` and `start.std` take four numbers each: x, y, vx, vy')
         if self.turn.acceleration_std == 0.0:
