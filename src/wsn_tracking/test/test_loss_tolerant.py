@@ -194,20 +194,27 @@ def test_a_bearing_beside_a_range_is_left_aside():
     assert other[0].mean[:2] == pytest.approx(place, abs=0.5)
 
 
-def test_outliers_are_gated_and_a_track_that_is_wrong_is_found_anew():
-    config = LossTolerantConfig(robust=GateConfig(4.0), reacquire=RestartConfig(rejects=3))
+def test_an_outlier_is_gated_and_not_listed():
     wrong = EPOCHS[30].measurements[0]
-    outlier = EPOCHS[30]._replace(
-        measurements=(wrong._replace(rssi_dbm=wrong.rssi_dbm + 60.0), *EPOCHS[30].measurements[1:])
-    )
-    estimates, tracker = tracked(config, [*EPOCHS[:30], outlier])
+    outlier = wrong._replace(rssi_dbm=wrong.rssi_dbm + 60.0)
+    bad = EPOCHS[30]._replace(measurements=(outlier, *EPOCHS[30].measurements[1:]))
+    estimates, tracker = tracked(LossTolerantConfig(robust=GateConfig(4.0)), [*EPOCHS[:30], bad])
     assert tracker.counters == {'gated': 1}
-    assert wrong.node_id not in estimates[-1].measurements
+    assert estimates[-1].measurements == tuple(p.node_id for p in EPOCHS[30].measurements[1:])
     assert errors(estimates, TRUTH[:31])[-1] < 12.0
-    far = replace(config, start=replace(GIVEN, mean=(95.0, 90.0, 0.0, 0.0), std=(0.5, 0.5, 0.1, 0.1)))
-    estimates, tracker = tracked(far, EPOCHS)
+
+
+def test_a_track_whose_readings_are_gated_is_found_anew():
+    """Clear radios, and a start at the other end of the field that is all too sure."""
+    precise = e_loss(LossConfig(loss=0.3, sigma_db=0.5))
+    given = list(epochs_of(record(precise, 1), 1, Counter()))
+    start = replace(GIVEN, mean=(90.0, 90.0, 0.0, 0.0), std=(0.1, 0.1, 0.1, 0.1))
+    config = LossTolerantConfig(robust=GateConfig(4.0), reacquire=RestartConfig(rejects=3), start=start)
+    estimates, tracker = tracked(config, given, precise.anchors)
     assert tracker.counters['reacquired_after_rejects'] == 1
-    assert np.sqrt(np.mean(errors(estimates, TRUTH)[20:] ** 2)) < 12.0
+    assert np.sqrt(np.mean(errors(estimates, precise.truth)[10:] ** 2)) < 3.0
+    never, _ = tracked(replace(config, reacquire=RestartConfig(rejects=0)), given[:10], precise.anchors)
+    assert errors(never, precise.truth[:10])[-1] > 30.0
 
 
 def test_a_filter_that_runs_away_is_caught():
