@@ -8,10 +8,22 @@ import os
 import sys
 from collections.abc import Sequence
 
-from wsn_tracking.commands import bench, calibrate, evaluate, import_data, info, plot, replay, simulate, sink, watch
+from wsn_tracking.commands import (
+    bench,
+    calibrate,
+    degrade,
+    evaluate,
+    import_data,
+    info,
+    plot,
+    replay,
+    simulate,
+    sink,
+    watch,
+)
 from wsn_tracking.errors import TrackingError
 
-COMMANDS = (replay, evaluate, plot, watch, info, simulate, import_data, calibrate, sink, bench)
+COMMANDS = (replay, evaluate, plot, watch, info, simulate, import_data, calibrate, degrade, sink, bench)
 
 
 def main(arguments: Sequence[str] | None = None) -> None:

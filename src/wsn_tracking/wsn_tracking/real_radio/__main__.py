@@ -1,4 +1,4 @@
-"""The figures of docs/system_a.md on real radio.
+"""The figures of docs/system_a.md and docs/loss_tolerant.md on real radio.
 
     python -m wsn_tracking.real_radio DATA -o docs/results [NAME ...]
 
@@ -17,9 +17,11 @@ from pathlib import Path
 
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.evaluation import study
+from wsn_tracking.real_radio.lost import TABLES as SYSTEM_E
 from wsn_tracking.real_radio.sets import Sets
-from wsn_tracking.real_radio.tables import TABLES
+from wsn_tracking.real_radio.tables import TABLES as SYSTEM_A
 
+TABLES = {**SYSTEM_A, **SYSTEM_E}
 COMMAND = 'python -m wsn_tracking.real_radio DATA -o docs/results'
 
 
@@ -36,7 +38,7 @@ def run(data: Path, folder: Path, wanted: Sequence[str] = ()) -> Path:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Entry point; the exit status."""
-    parser = argparse.ArgumentParser(prog='wsn_tracking.real_radio', description='System A on public recordings.')
+    parser = argparse.ArgumentParser(prog='wsn_tracking.real_radio', description='The trackers on public recordings.')
     parser.add_argument('data', type=Path, metavar='DATA', help='folder of the recordings (docs/datasets.md)')
     parser.add_argument('names', nargs='*', metavar='NAME', help=f'tables (default: all): {", ".join(TABLES)}')
     parser.add_argument('-o', '--output', type=Path, required=True, metavar='DIR', help='folder of the results')

@@ -43,10 +43,11 @@ def tracked(bags: Bags, configuration: str, settings: Values) -> Summary:
 
 def central(bags: Bags, configuration: str, settings: Values) -> Result:
     """Figures of one estimator that hears all nodes."""
-    return _figures(tracked(bags, configuration, {**settings, 'peers': [1]}).outputs['local_1'])
+    return figures(tracked(bags, configuration, {**settings, 'peers': [1]}).outputs['local_1'])
 
 
-def _figures(score: Score) -> Result:
+def figures(score: Score) -> Result:
+    """What is kept of a score."""
     return {
         'rmse_m': _short(score.rmse_m),
         'median_m': _short(score.median_m),
@@ -115,7 +116,7 @@ def of_three(bags: Bags, configuration: str) -> Result:
         result[name] = {
             'local_rmse_m': [_short(value) for value in alone],
             'mean_of_the_locals_rmse_m': _short(float(np.mean(alone))),
-            'fused': _figures(outputs['fused_1']),
+            'fused': figures(outputs['fused_1']),
         }
     return result
 
