@@ -8,6 +8,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from wsn_tracking.models.anchors import Floats
+from wsn_tracking.models.noise import white_acceleration
+
+SHORT = 1e-3  # below this share of the time a difference of exponentials loses its digits: its series is used
 
 TURNING_STATES = ('x', 'y', 'vx', 'vy', 'w')
 SMALL = 1e-2  # angle below which slopes come from their series: both forms are good to 1e-12 there
@@ -88,3 +91,24 @@ def _slopes(a: Floats, T: Floats) -> tuple[Floats, Floats]:
     ds = np.where(small, a * (a * a / 30.0 - 1.0 / 3.0), (np.cos(b) - np.sin(b) / b) / b)
     dc = np.where(small, 0.5 - a * a * (1.0 / 8.0 - a * a / 144.0), (np.sin(b) - (1.0 - np.cos(b)) / b) / b)
     return T * T * ds, T * T * dc
+
+
+def forgetful_velocity(spectral_density: ArrayLike, dt: float, time: float = 0.0) -> tuple[Floats, Floats]:
+    """Transition F (4, 4) and noise root chol_Q (..., 4, 4) of a velocity that fades, with `time` [s], and is renewed.
+
+    dv = -v / time dt + dw, w of spectral density S (...) [m^2/s^3]: an Ornstein-Uhlenbeck velocity of variance
+    S time / 2, whose position does not run away over long gaps. time = 0: it never fades, which is white acceleration.
+    """
+    S = np.asarray(spectral_density, dtype=np.float64)
+    if not time:
+        return constant_velocity(dt), white_acceleration(S, dt)
+    u = dt / time
+    a, b = np.exp(-u), -np.expm1(-u)  # what is left of a velocity, and of its way in units of time
+    F = np.diag([1.0, 1.0, a, a])
+    F[0, 2] = F[1, 3] = time * b
+    vv, pv = -0.5 * np.expm1(-2.0 * u), 0.5 * b * b
+    pp = u - 2.0 * b + vv if u > SHORT else u**3 / 3.0 - u**4 / 4.0
+    p = np.sqrt(pp)
+    growing, along, steady = time * p, pv / p, np.sqrt(max(vv - pv * pv / pp, 0.0))
+    root = np.diag([growing] * 2 + [steady] * 2) + np.diag([along] * 2, -2)
+    return F, np.sqrt(S * time)[..., None, None] * root

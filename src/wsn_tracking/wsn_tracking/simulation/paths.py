@@ -30,8 +30,7 @@ def polygon_loop(corners: Sequence[tuple[float, float]], speed: float, times: Ar
 def circle(centre: tuple[float, float], radius: float, speed: float, times: ArrayLike) -> Floats:
     """States (K, 4) at constant speed [m/s] round a circle [m], counter-clockwise from its easternmost point."""
     angle = speed / radius * np.asarray(times, dtype=np.float64)
-    c, s = np.cos(angle), np.sin(angle)
-    return np.column_stack([centre[0] + radius * c, centre[1] + radius * s, -speed * s, speed * c])
+    return round_circle(centre, radius, angle, np.full(angle.shape, speed / radius))
 
 
 def headings_inside(area: Area, headings: ArrayLike, speed: float, leg: float, times: ArrayLike) -> Floats:
@@ -61,3 +60,17 @@ def _folded(x: Floats, low: Floats, high: Floats) -> tuple[Floats, Floats]:
     turned = np.mod(x - low, 2.0 * width)
     back = turned > width
     return low + np.where(back, 2.0 * width - turned, turned), np.where(back, -1.0, 1.0)
+
+
+def line_and_stop(start: tuple[float, float], velocity: tuple[float, float], until: float, times: ArrayLike) -> Floats:
+    """States (K, 4) of a straight walk that stops suddenly at `until` [s], at times (K,) [s]."""
+    t = np.asarray(times, dtype=np.float64)[:, None]
+    v = np.asarray(velocity, dtype=np.float64)
+    return np.concatenate([np.asarray(start) + v * np.minimum(t, until), np.where(t < until, v, 0.0)], axis=-1)
+
+
+def round_circle(centre: tuple[float, float], radius: float, angle: ArrayLike, turning: ArrayLike) -> Floats:
+    """States (K, 4) on a circle [m] at angles (K,) [rad], counter-clockwise from the east, turning at (K,) [rad/s]."""
+    angle, v = np.asarray(angle, dtype=np.float64), radius * np.asarray(turning, dtype=np.float64)
+    c, s = np.cos(angle), np.sin(angle)
+    return np.column_stack([centre[0] + radius * c, centre[1] + radius * s, -v * s, v * c])

@@ -22,6 +22,7 @@ class Scenario(NamedTuple):
     packets: Packets
     range_noise: float = float('nan')  # rssi: standard deviation as a share of the range
     alpha: float = float('nan')  # rssi: pre-filter of the event trigger
+    companions: tuple[Floats, ...] = ()  # (K, 4) each: states of further targets, with the ids that follow
 
 
 # (scenario, seed, target id, stamps of the epochs [ns]) -> what the nodes send, epoch by epoch

@@ -13,6 +13,7 @@ from wsn_tracking.models.anchors import Anchors, Floats, make_anchors
 from wsn_tracking.models.draws import keyed
 from wsn_tracking.parameters import build, specs
 from wsn_tracking.simulation.b_field import FieldConfig, b_field
+from wsn_tracking.simulation.d_cells import CellsConfig, DropoutConfig, d_arc_stop, d_dropout, d_phase, d_stop
 from wsn_tracking.simulation.e_loss import LossConfig, e_loss
 from wsn_tracking.simulation.paths import circle, headings_inside, polygon_loop
 from wsn_tracking.simulation.scenario import Scenario
@@ -82,10 +83,21 @@ SCENARIOS: Mapping[str, Callable[..., Scenario]] = {
     'a_circle': a_circle,
     'a_heading': a_heading,
     'b_field': b_field,
+    'd_stop': d_stop,
+    'd_arc_stop': d_arc_stop,
+    'd_phase': d_phase,
+    'd_dropout': d_dropout,
     'e_loss': e_loss,
 }
 BY_SEED = ('a_heading',)  # those whose walk is drawn by the seed of the recording
-PARAMETERS: Mapping[str, type[Any]] = {'b_field': FieldConfig, 'e_loss': LossConfig}  # of those that have any
+PARAMETERS: Mapping[str, type[Any]] = {  # of those that have any
+    'b_field': FieldConfig,
+    'd_stop': CellsConfig,
+    'd_arc_stop': CellsConfig,
+    'd_phase': CellsConfig,
+    'd_dropout': DropoutConfig,
+    'e_loss': LossConfig,
+}
 
 
 def scenario(name: str, settings: Mapping[str, Any] | None = None, seed: int = 0) -> Scenario:

@@ -1,0 +1,79 @@
+"""System D over many runs at once: the steps that the tracker takes, with a leading axis of runs."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from wsn_tracking.filters import recent
+from wsn_tracking.filters.ekf import Gaussian
+from wsn_tracking.models.anchors import Floats, Mask
+from wsn_tracking.simulation.d_cells import CellsConfig, Measured, measure, nodes
+from wsn_tracking.trackers import hybrid_steps as steps
+from wsn_tracking.trackers.hybrid_config import HybridConfig
+
+
+class Runs(NamedTuple):
+    """The same walk, measured many times."""
+
+    config: CellsConfig
+    states: Floats  # (K, 4)
+    told: Measured  # (runs, K)
+
+
+class Tracks(NamedTuple):
+    """What a filter made of every run."""
+
+    m: Floats  # (runs, K, 4); NaN before the start
+    P: Floats  # (runs, K, 4, 4)
+    manoeuvres: Mask  # (runs, K)
+
+
+def sample(config: CellsConfig, states: Floats, runs: int, seed: int) -> Runs:
+    """Runs over states (K, 4), each with its own noise and losses, and a station that chooses its cells."""
+    generator = np.random.default_rng(seed)
+    shape = (runs, len(states))
+    many = np.broadcast_to(states, (*shape, 4))
+    normals, uniforms = generator.standard_normal(shape), generator.random(shape)
+    return Runs(config, states, measure(config, many, normals, uniforms))
+
+
+def listened(runs: Runs, config: HybridConfig) -> tuple[Floats, Floats]:
+    """Least squares of the latest ranges, raw (runs, K, 2) and low-passed (runs, K, 4); NaN where there is none."""
+    anchors = nodes()
+    field = steps.field_of(anchors, 0.0)
+    shape = runs.told.z.shape
+    told = recent.nothing(shape[:1], anchors.ids.size)
+    raw, smooth = np.empty((*shape, 2)), np.empty((*shape, 4))
+    for k in range(shape[1]):
+        reading = steps.reading_of(runs.told.z[:, k], runs.told.rows[:, k], config.range_std)
+        told = steps.listen(told, reading, k * runs.config.period, field, config)
+        raw[:, k], smooth[:, k] = told.raw, told.x
+    return raw, smooth
+
+
+def track(runs: Runs, config: HybridConfig) -> Tracks:
+    """Filter every run; each begins where least squares first finds its target, with P0 = diag(start.*_std^2)."""
+    field = steps.field_of(nodes(), 0.0)
+    raw, _ = listened(runs, config)
+    root = [config.start.position_std] * 2 + [config.start.velocity_std] * 2
+    P0 = np.broadcast_to(np.diag(np.square(root)), (len(raw), 4, 4))
+    found = np.zeros(len(raw), dtype=np.bool_)
+    state = steps.begin(Gaussian(np.zeros((len(raw), 4)), P0), len(field.place), config)
+    m, P = np.full((*raw.shape[:2], 4), np.nan), np.full((*raw.shape[:2], 4, 4), np.nan)
+    turned = np.zeros(raw.shape[:2], dtype=np.bool_)
+    for k in range(raw.shape[1]):
+        begins = ~found & ~np.isnan(raw[:, k, 0])
+        state = steps.predict(state, runs.config.period, config)
+        z = np.where(found, runs.told.z[:, k], np.nan)
+        reading = steps.reading_of(z, runs.told.rows[:, k], config.range_std)
+        state, outcome = steps.hear(state, reading, k * runs.config.period, field, config)
+        if begins.any():
+            first = np.concatenate([np.nan_to_num(raw[:, k]), np.zeros((len(raw), 2))], axis=-1)
+            state = steps.restarted(state, begins, Gaussian(first, P0), config)
+            found = found | begins
+        belief = state.belief
+        m[:, k], P[:, k] = np.where(found[:, None], belief.m, np.nan), belief.P
+        turned[:, k] = outcome.manoeuvre
+    return Tracks(m, P, turned)

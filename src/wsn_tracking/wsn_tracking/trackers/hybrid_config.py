@@ -1,0 +1,123 @@
+"""Parameters of system D."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TypeVar
+
+from wsn_tracking.errors import TrackingError
+from wsn_tracking.parameters import group, param
+
+Checked = TypeVar('Checked', bound='HybridConfig')
+FORMS = ('inflate', 'decay', 'literal', 'imm', 'ekf')
+
+
+@dataclass(frozen=True)
+class MotionConfig:
+    """How targets move between ranges."""
+
+    spectral_density: float = param(0.01, 'q_w: of the white acceleration', 'm^2/s^3', 0.0, 1e6)
+    velocity_time: float = param(
+        0.0, 'after which a velocity is forgotten, for targets with long gaps; 0: it is kept', 's', 0.0, 1e6
+    )
+
+
+@dataclass(frozen=True)
+class RobustConfig:
+    """Ranges that are not what they say."""
+
+    gate: float = param(5.0, 'ranges further from their prediction are left out; 0: none', 'std', 0.0, 1e6)
+    rejects: int = param(
+        8, 'gated ranges in a row, and least squares may find the target elsewhere; 0: never', '', 0, 100000
+    )
+    dof: float = param(0.0, 'degrees of freedom of Student-t noise (3 heavy, 30 light tails); 0: Gaussian', '', 0.0, 1e6)
+
+
+@dataclass(frozen=True)
+class LeastSquaresConfig:
+    """Least squares of the latest ranges, low-passed (inflate, decay, literal)."""
+
+    age_max: float = param(7.0, 'oldest range that it takes', 'periods', 0.0, 1e6)
+    weight: float = param(0.5, 'a: share of the newest position in the low pass', '', 1e-3, 1.0)
+
+
+@dataclass(frozen=True)
+class ManoeuvreConfig:
+    """When a manoeuvre is found, and what is done (inflate, decay, literal)."""
+
+    length: int = param(4, 'innovations that are summed', 'ranges', 1, 1000)
+    threshold: float = param(18.5, 'of the sum of nu^2 / S: one in a thousand for four', '', 0.0, 1e6)
+    rest: int = param(12, 'ranges that are let pass after a manoeuvre', 'ranges', 0, 100000)
+    fresh: float = param(4.0, 'least squares counts of ranges no older, and there for so long', 'periods', 0.0, 1e6)
+    position_std: float = param(0.02, 'least error of least squares that is allowed for', 'm', 1e-6, 1e3)
+    velocity_std: float = param(0.2, 'likewise of its velocity', 'm/s', 1e-6, 1e3)
+    decay: float = param(0.85, 'lambda: the extra gain fades by it with each range (decay, literal)', '', 0.0, 1.0)
+
+
+@dataclass(frozen=True)
+class ModelsConfig:
+    """The two models of form imm."""
+
+    spectral_density: float = param(0.003, 'of the white acceleration, before the factors', 'm^2/s^3', 0.0, 1e6)
+    calm: float = param(0.2, 'factor of the first model', '', 0.0, 1e6)
+    brisk: float = param(40.0, 'factor of the second model', '', 0.0, 1e6)
+    stay_calm: float = param(0.95, 'probability of staying in the first model for a period', '', 0.0, 1.0)
+    stay_brisk: float = param(0.9, 'likewise in the second', '', 0.0, 1.0)
+
+
+@dataclass(frozen=True)
+class StartConfig:
+    """Where a track begins, and begins anew."""
+
+    kind: str = param(
+        'auto',
+        'ls: least squares; hypotheses: several places at once until one is left; auto: whichever is there first',
+        choices=('auto', 'ls', 'hypotheses'),
+    )
+    window: float = param(0.5, 'ls: oldest range that it takes', 's', 1e-3, 1e6)
+    misfit: float = param(5.0, 'ls: ranges further from what it finds rule it out; 0: none does', 'std', 0.0, 1e6)
+    position_std: float = param(1.0, 'ls: root of P0', 'm', 1e-6, 1e4)
+    velocity_std: float = param(1.0, 'root of P0 in velocity, per axis', 'm/s', 1e-6, 1e3)
+    resolved: float = param(0.3, 'hypotheses: a track begins below this standard deviation of the position', 'm', 0.0, 1e4)
+    most: int = param(60, 'hypotheses: kept at most', '', 2, 10000)
+
+
+@dataclass(frozen=True)
+class HybridConfig:
+    """One tracker of system D: one target."""
+
+    form: str = param(
+        'inflate',
+        'what answers a manoeuvre. inflate: P grows by what least squares says; decay: an extra gain that fades; '
+        'literal: the document, for simultaneous ranges alone; imm: two models at once; ekf: nothing',
+        choices=FORMS,
+    )
+    target_height: float = param(0.0, 'height at which the target moves', 'm', -1e4, 1e4)
+    area: tuple[float, ...] = param((), 'x_min, y_min, x_max, y_max where targets may be; empty: round the nodes', 'm')
+    period: float = param(0.05, 'T: time between ranges of a target', 's', 1e-4, 3600.0)
+    range_std: float = param(0.02, 'of ranges that tell neither variance nor come from RSSI', 'm', 1e-6, 1e3)
+    stale: float = param(1.0, 'without a usable range for so long a track is found anew', 's', 1e-3, 1e6)
+    input: str = param(
+        'auto',
+        'topic that measurements come from; auto: range where somebody publishes it, else rssi',
+        choices=('auto', 'range', 'rssi'),
+    )
+    channel: str = param('', 'file of `calibrate` with the radios of the nodes; empty: the anchors tell')
+    motion: MotionConfig = group(MotionConfig)
+    robust: RobustConfig = group(RobustConfig)
+    least_squares: LeastSquaresConfig = group(LeastSquaresConfig)
+    manoeuvre: ManoeuvreConfig = group(ManoeuvreConfig)
+    models: ModelsConfig = group(ModelsConfig)
+    start: StartConfig = group(StartConfig)
+
+    def checked(self: Checked) -> Checked:
+        """Itself, or TrackingError where fields contradict each other."""
+        if self.area and not (len(self.area) == 4 and self.area[0] < self.area[2] and self.area[1] < self.area[3]):
+            raise TrackingError(f'`area` is {list(self.area)}: expected x_min, y_min, x_max, y_max with min < max')
+        if self.form != 'imm' and self.motion.spectral_density == 0.0:
+            raise TrackingError('`motion.spectral_density` is 0: without process noise a filter stops listening')
+        if self.form == 'imm' and not 0.0 < self.models.calm < self.models.brisk:
+            raise TrackingError(
+                f'`models.calm` {self.models.calm:g} and `models.brisk` {self.models.brisk:g}: expected 0 < calm < brisk'
+            )
+        return self
