@@ -41,26 +41,25 @@ def sample(config: CellsConfig, states: Floats, runs: int, seed: int) -> Runs:
 
 def listened(runs: Runs, config: HybridConfig) -> tuple[Floats, Floats]:
     """Least squares of the latest ranges, raw (runs, K, 2) and low-passed (runs, K, 4); NaN where there is none."""
-    anchors = nodes()
-    field = steps.field_of(anchors, 0.0)
+    places = nodes().positions
     shape = runs.told.z.shape
-    told = recent.nothing(shape[:1], anchors.ids.size)
+    told = recent.nothing(shape[:1], len(places))
     raw, smooth = np.empty((*shape, 2)), np.empty((*shape, 4))
     for k in range(shape[1]):
         reading = steps.reading_of(runs.told.z[:, k], runs.told.rows[:, k], config.range_std)
-        told = steps.listen(told, reading, k * runs.config.period, field, config)
+        told = steps.listen(told, reading, k * runs.config.period, places, config)
         raw[:, k], smooth[:, k] = told.raw, told.x
     return raw, smooth
 
 
 def track(runs: Runs, config: HybridConfig) -> Tracks:
     """Filter every run; each begins where least squares first finds its target, with P0 = diag(start.*_std^2)."""
-    field = steps.field_of(nodes(), 0.0)
+    places = nodes().positions
     raw, _ = listened(runs, config)
     root = [config.start.position_std] * 2 + [config.start.velocity_std] * 2
     P0 = np.broadcast_to(np.diag(np.square(root)), (len(raw), 4, 4))
     found = np.zeros(len(raw), dtype=np.bool_)
-    state = steps.begin(Gaussian(np.zeros((len(raw), 4)), P0), len(field.place), config)
+    state = steps.begin(Gaussian(np.zeros((len(raw), 4)), P0), len(places), config)
     m, P = np.full((*raw.shape[:2], 4), np.nan), np.full((*raw.shape[:2], 4, 4), np.nan)
     turned = np.zeros(raw.shape[:2], dtype=np.bool_)
     for k in range(raw.shape[1]):
@@ -68,7 +67,7 @@ def track(runs: Runs, config: HybridConfig) -> Tracks:
         state = steps.predict(state, runs.config.period, config)
         z = np.where(found, runs.told.z[:, k], np.nan)
         reading = steps.reading_of(z, runs.told.rows[:, k], config.range_std)
-        state, outcome = steps.hear(state, reading, k * runs.config.period, field, config)
+        state, outcome = steps.hear(state, reading, k * runs.config.period, places, config)
         if begins.any():
             first = np.concatenate([np.nan_to_num(raw[:, k]), np.zeros((len(raw), 2))], axis=-1)
             state = steps.restarted(state, begins, Gaussian(first, P0), config)

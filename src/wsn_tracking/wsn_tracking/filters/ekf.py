@@ -22,14 +22,6 @@ class Gaussian(NamedTuple):
     P: Floats  # (..., n, n)
 
 
-class Nodes(NamedTuple):
-    """The node of each range: where it is as seen from the height of the target, and what its radio reads."""
-
-    place: Floats  # (..., 3) [m], z counted from the target
-    scale: Floats  # (...,)
-    bias: Floats  # (...,) [m]
-
-
 class Innovation(NamedTuple):
     """What a range tells that was not expected: nu, NaN where nothing was heard, and H = [g, 0, ...]."""
 
@@ -49,16 +41,16 @@ def predict(belief: Gaussian, F: Floats, Q: Floats) -> Gaussian:
     return Gaussian(matvec(F, belief.m), F @ belief.P @ transpose(F) + Q)
 
 
-def expected(m: Floats, nodes: Nodes) -> tuple[Floats, Floats]:
-    """h = scale d + bias at states m (..., n), and its gradient (..., 2)."""
-    offset = m[..., :2] - nodes.place[..., :2]
-    d = np.maximum(np.sqrt(np.sum(np.square(offset), axis=-1) + np.square(nodes.place[..., 2])), MIN_RANGE)
-    return np.asarray(nodes.scale * d + nodes.bias), np.asarray((nodes.scale / d)[..., None] * offset)
+def expected(m: Floats, place: Floats) -> tuple[Floats, Floats]:
+    """Distance of states m (..., n) from nodes at place (..., 3) [m], z counted from the target; its gradient (..., 2)."""
+    offset = m[..., :2] - place[..., :2]
+    d = np.maximum(np.sqrt(np.sum(np.square(offset), axis=-1) + np.square(place[..., 2])), MIN_RANGE)
+    return d, np.asarray(offset / d[..., None])
 
 
-def innovation(belief: Gaussian, z: ArrayLike, nodes: Nodes, std: ArrayLike, share: ArrayLike = 0.0) -> Innovation:
-    """Of ranges z (...) [m], one an element of the batch; root of R: std [m], or that share of the expected range."""
-    h, g = expected(belief.m, nodes)
+def innovation(belief: Gaussian, z: ArrayLike, place: Floats, std: ArrayLike, share: ArrayLike = 0.0) -> Innovation:
+    """Of ranges z (...) [m], one an element of the batch; R = std^2 + (share times the expected range)^2."""
+    h, g = expected(belief.m, place)
     R = np.square(np.asarray(std, dtype=np.float64)) + np.square(share * h)
     return Innovation(np.asarray(z - h), g, spread(belief.P, g) + R, R)
 

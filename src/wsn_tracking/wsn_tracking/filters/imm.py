@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from wsn_tracking.filters import ekf
-from wsn_tracking.filters.ekf import Gaussian, Innovation, Nodes
+from wsn_tracking.filters.ekf import Gaussian, Innovation
 from wsn_tracking.models.anchors import Floats
 
 LEAST = 1e-12  # no model is ruled out for good
@@ -68,10 +68,10 @@ def mix(models: Models, Pi: Floats) -> Models:
     return Models(mixed.m, mixed.P, mu)
 
 
-def innovation(models: Models, z: Floats, nodes: Nodes, std: Floats, share: Floats) -> Innovation:
-    """Of ranges z (...), under each model (..., J)."""
-    each = Nodes(nodes.place[..., None, :], nodes.scale[..., None], nodes.bias[..., None])
-    return ekf.innovation(Gaussian(models.m, models.P), z[..., None], each, std[..., None], share[..., None])
+def innovation(models: Models, z: Floats, place: Floats, std: Floats, share: Floats) -> Innovation:
+    """Of ranges z (...) of nodes at place (..., 3), under each model (..., J)."""
+    each = z[..., None], place[..., None, :], std[..., None], share[..., None]
+    return ekf.innovation(Gaussian(models.m, models.P), *each)
 
 
 def update(models: Models, seen: Innovation) -> Models:

@@ -8,46 +8,24 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from wsn_tracking.filters import imm, manoeuvre, recent
-from wsn_tracking.filters.ekf import Gaussian, Innovation, Nodes, spread
+from wsn_tracking.filters.ekf import Gaussian, Innovation, spread
 from wsn_tracking.filters.ekf import gain as own_gain
 from wsn_tracking.filters.ekf import update as ekf_update
 from wsn_tracking.filters.imm import Models
 from wsn_tracking.filters.manoeuvre import Watch
 from wsn_tracking.filters.recent import Recent
-from wsn_tracking.models.anchors import Anchors, Floats, Mask
+from wsn_tracking.models.anchors import Floats, Mask
 from wsn_tracking.models.motion import forgetful_velocity
 from wsn_tracking.trackers.hybrid_config import HybridConfig
 
 Rows = NDArray[np.int64]
 
 
-class Field(NamedTuple):
-    """The nodes as a target at some height sees them."""
-
-    place: Floats  # (N, 3) [m], z counted from the target
-    scale: Floats  # (N,)
-    bias: Floats  # (N,) [m]
-
-    def nodes(self, rows: Rows) -> Nodes:
-        """Those of ranges whose nodes are in rows (...)."""
-        return Nodes(self.place[rows], self.scale[rows], self.bias[rows])
-
-    def plane(self, rows: Rows, z: Floats) -> Floats:
-        """The distance in the plane (...) [m] that ranges z tell; zero where a range is shorter than the height."""
-        d = (z - self.bias[rows]) / self.scale[rows]
-        return np.asarray(np.sqrt(np.maximum(np.square(d) - np.square(self.place[rows, 2]), 0.0)))
-
-
-def field_of(anchors: Anchors, height: float) -> Field:
-    """The nodes of a table for a target at a height [m]."""
-    return Field(anchors.positions - np.array([0.0, 0.0, height]), anchors.scale, anchors.bias)
-
-
 class Reading(NamedTuple):
-    """One range an element of the batch."""
+    """One range an element of the batch, freed of its radio's scale and bias."""
 
     z: Floats  # (...) [m]; NaN: none
-    rows: Rows  # (...) row of its node
+    rows: Rows  # (...) row of its node among places (N, 3) [m], whose z is counted from the target
     std: Floats  # (...) [m] root of R, or
     share: Floats  # (...) of the expected range
 
@@ -76,7 +54,7 @@ class Outcome(NamedTuple):
 
 
 def begin(belief: Gaussian, nodes: int, config: HybridConfig) -> Track:
-    """A track that begins with a belief (..., 4) about its field of N nodes."""
+    """A track that begins with a belief (..., 4), about N nodes."""
     shape = belief.m.shape[:-1]
     mu = np.array([0.5, 0.5]) if config.form == 'imm' else np.ones(1)
     return Track(
@@ -116,35 +94,34 @@ def predict(track: Track, dt: float, config: HybridConfig) -> Track:
     return track._replace(models=Models((F @ models.m[..., None])[..., 0], P, models.mu))
 
 
-def innovation(track: Track, reading: Reading, field: Field) -> Innovation:
+def innovation(track: Track, reading: Reading, places: Floats) -> Innovation:
     """Under each model, (..., J)."""
-    nodes = field.nodes(reading.rows)
-    return imm.innovation(track.models, reading.z, nodes, reading.std, reading.share)
+    return imm.innovation(track.models, reading.z, places[reading.rows], reading.std, reading.share)
 
 
-def hear(track: Track, reading: Reading, t: float, field: Field, config: HybridConfig) -> tuple[Track, Outcome]:
+def hear(track: Track, reading: Reading, t: float, places: Floats, config: HybridConfig) -> tuple[Track, Outcome]:
     """Measurement update of a predicted track with one range at t [s] (any clock that all steps share)."""
     heard = ~np.isnan(reading.z)
-    seen = innovation(track, reading, field)
+    seen = innovation(track, reading, places)
     turned = np.zeros_like(heard)
     if config.form not in ('imm', 'ekf'):
-        told = listen(track.recent, reading, t, field, config)
+        told = listen(track.recent, reading, t, places, config)
         watch, beyond = manoeuvre.observe(track.watch, _first(seen), config.manoeuvre.threshold)
-        turned = beyond & is_fresh(told, t, field, config) if beyond.any() else turned
+        turned = beyond & is_fresh(told, t, places, config) if beyond.any() else turned
         track = track._replace(recent=told, watch=manoeuvre.answered(watch, turned, config.manoeuvre.rest))
         track = _answer(track, heard, turned, config)
-        seen = innovation(track, reading, field) if turned.any() else seen
+        seen = innovation(track, reading, places) if turned.any() else seen
     gated = heard & _beyond(track, seen, config)
     seen = seen._replace(nu=np.where(gated[..., None], np.nan, seen.nu))
     return _update(track, seen, config), Outcome(heard & ~gated, gated, turned)
 
 
-def listen(told: Recent, reading: Reading, t: float, field: Field, config: HybridConfig) -> Recent:
+def listen(told: Recent, reading: Reading, t: float, places: Floats, config: HybridConfig) -> Recent:
     """Least squares with one range more; ranges that contradict each other give none."""
-    d = field.plane(reading.rows, reading.z)
+    d = np.sqrt(np.maximum(np.square(reading.z) - np.square(places[reading.rows, 2]), 0.0))  # in the plane
     std = np.sqrt(np.square(reading.std) + np.square(reading.share * d))
     told = recent.hear(told, reading.rows, d, 1.0 / np.maximum(np.square(2.0 * d * std), 1e-12), t)
-    place, age_max = field.place[:, :2], config.least_squares.age_max * config.period
+    place, age_max = places[:, :2], config.least_squares.age_max * config.period
     raw = recent.solve(told, place, t, age_max, bool(np.any(reading.share > 0.0)))
     if config.start.misfit:
         off = recent.misfit(told, place, raw, t, age_max, config.start.velocity_std)
@@ -153,11 +130,11 @@ def listen(told: Recent, reading: Reading, t: float, field: Field, config: Hybri
     return recent.follow(told, raw, t, age_max, config.least_squares.weight)
 
 
-def is_fresh(told: Recent, t: float, field: Field, config: HybridConfig) -> Mask:
+def is_fresh(told: Recent, t: float, places: Floats, config: HybridConfig) -> Mask:
     """Whether least squares may correct a filter (...): of young ranges, and there for some periods."""
     age = config.manoeuvre.fresh * config.period
     lasted = t - told.since >= age * (1.0 - 1e-9)  # NaN: False
-    return lasted & ~np.isnan(recent.solve(told, field.place[:, :2], t, age)[..., 0])
+    return lasted & ~np.isnan(recent.solve(told, places[:, :2], t, age)[..., 0])
 
 
 def heavy_tailed(seen: Innovation, dof: float) -> Innovation:
