@@ -1,0 +1,108 @@
+"""Particle filter: weighted particles, their update in the log domain, moments and resampling (seed 003, section 3).
+
+States are the rows and particles the columns, so that each state of all particles is contiguous; leading axes are runs.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from wsn_tracking.filters.resampling import Indices, Resampler
+from wsn_tracking.models.anchors import Floats, Mask
+
+
+class Cloud(NamedTuple):
+    """Weighted particles."""
+
+    s: Floats  # (..., S, P) states
+    log_w: Floats  # (..., P), their exponentials sum to one
+
+    @property
+    def w(self) -> Floats:
+        """Weights (..., P)."""
+        return np.exp(self.log_w)
+
+
+class Resampled(NamedTuple):
+    """Particles after a resampling, and where they came from."""
+
+    cloud: Cloud
+    parents: Indices | None  # (..., P) in the cloud before; None: nothing was resampled
+
+
+def equal(s: Floats) -> Cloud:
+    """Particles s (..., S, P) of equal weight."""
+    P = s.shape[-1]
+    return Cloud(s, np.full((*s.shape[:-2], P), -np.log(P)))
+
+
+def log_sum(l: Floats) -> Floats:
+    """log sum exp over the last axis, (..., P) -> (...); -inf where every term is."""
+    top = l.max(axis=-1, keepdims=True)
+    top = np.where(np.isfinite(top), top, 0.0)
+    with np.errstate(divide='ignore'):
+        return np.asarray(np.log(np.exp(l - top).sum(axis=-1)) + top[..., 0])
+
+
+def reweighed(cloud: Cloud, l: Floats) -> tuple[Cloud, Floats]:
+    """The particles after an observation with log-likelihood l (..., P), and its log evidence (...).
+
+    log p(z_t | z_1:t-1) = log sum exp(log w + l) (seed 003, eq. 7 and 8). An observation that no particle can explain
+    (evidence -inf) leaves the weights as they are.
+    """
+    joint = cloud.log_w + l
+    evidence = log_sum(joint)
+    known = np.isfinite(evidence)
+    log_w = np.where(known[..., None], joint - np.where(known, evidence, 0.0)[..., None], cloud.log_w)
+    return Cloud(cloud.s, log_w), evidence
+
+
+def moments(values: Floats, w: Floats, floor: Any = 0.0) -> tuple[Floats, Floats]:
+    """Mean (..., K) and covariance (..., K, K) of values (..., K, P) with weights (..., P).
+
+    floor^2 is added to the variances: what a cloud that has collapsed is not sure of all the same.
+    """
+    mean = (values @ w[..., None])[..., 0]
+    d = values - mean[..., None]
+    P = (d * w[..., None, :]) @ d.swapaxes(-1, -2)
+    P = 0.5 * (P + P.swapaxes(-1, -2))
+    return mean, P + np.square(floor) * np.eye(P.shape[-1])
+
+
+def resampled(
+    cloud: Cloud, resampler: Resampler, generator: np.random.Generator, wanted: Mask | bool = True, n: int = 0
+) -> Resampled:
+    """n equal particles (0: as many as there are) where `wanted` (...), the cloud as it is elsewhere.
+
+    A number that differs must be wanted by all.
+    """
+    P = cloud.log_w.shape[-1]
+    if not np.any(wanted):
+        return Resampled(cloud, None)
+    parents = resampler(cloud.w, n or P, generator)
+    if np.all(wanted):
+        return Resampled(equal(taken(cloud.s, parents)), parents)
+    parents = np.where(np.asarray(wanted)[..., None], parents, np.arange(P))
+    log_w = np.where(np.asarray(wanted)[..., None], -np.log(P), cloud.log_w)
+    return Resampled(Cloud(taken(cloud.s, parents), log_w), parents)
+
+
+def taken(s: Floats, parents: Indices) -> Floats:
+    """States (..., S, P) of the particles with these indices (..., n)."""
+    if parents.ndim == 1:
+        return s.take(parents, axis=-1)
+    return np.take_along_axis(s, parents[..., None, :], axis=-1)
+
+
+def descended(parents: Indices | None, path: Indices | None) -> Indices | None:
+    """Parents of the parents: indices one generation further back; None is everybody's own successor."""
+    if parents is None or path is None:
+        return parents if path is None else path
+    return np.take_along_axis(parents, path, axis=-1)
+
+
+def worth(w: Floats) -> Floats:
+    """N_eff = 1 / sum w^2 (...): how many equal particles the weights (..., P) are worth (seed 003, step 4)."""
+    return np.asarray(1.0 / np.einsum('...p,...p->...', w, w))

@@ -1,0 +1,229 @@
+"""Log-likelihood of an epoch's signal strengths at particles: the inner loop over nodes and particles.
+
+Arrays are (..., N, P), nodes by particles, particles contiguous, in work arrays that are kept from call to call: what
+is returned is new, everything else is private scratch. Squared distances and cosines are one matrix product each.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from wsn_tracking.models.anchors import Floats
+from wsn_tracking.models.body import LEAST_DISTANCE, Curve, Curves
+from wsn_tracking.models.walk import PSI, YAW, X, Y
+from wsn_tracking.models.work import Work
+
+SPAN_DB = 60.0  # an outlier reads anything within so much
+LG_SQUARED = 0.5 / math.log(10.0)  # lg d = LG_SQUARED ln d^2
+SMALLEST = -290.0  # lg of a product of likelihoods that is still a number
+
+
+class Kernel(NamedTuple):
+    """How a residual is weighed."""
+
+    kind: str = 'soft'  # single, max (seed 003, eq. 15), direction (eq. 13), soft
+    dof: float = 0.0  # degrees of freedom of Student-t noise; 0: normal
+    outlier: float = 0.0  # share of readings that say nothing, uniform over SPAN_DB
+    sharpness: float = 2.0  # soft: k
+    least: float = 0.1  # soft: eps, the share of the other curve straight ahead and behind
+
+
+class Readings(NamedTuple):
+    """An epoch's signal strengths."""
+
+    z: Floats  # (..., N) [dBm]; NaN: not heard, which says nothing
+    sigma: Floats  # (..., N) [dB]
+    curves: Curves  # (N,) or scalars
+
+
+class Scored(NamedTuple):
+    """What an epoch says of particles."""
+
+    l: Floats  # (..., P) log-likelihood [1 / dB each]
+    by_node: Floats | None  # (..., N) log sum w p(z_i | particle); 0 where nothing was heard
+
+
+class BodyLikelihood:
+    """Of particles with the states of `models.walk`, by nodes at positions (N, 3) [m]."""
+
+    def __init__(self, kernel: Kernel, positions: Floats, height: float = 0.0, least: float = LEAST_DISTANCE) -> None:
+        self.kernel = kernel
+        self.positions = positions
+        self._centre = positions[:, :2].mean(axis=0)
+        away = positions[:, :2] - self._centre  # products of coordinates cancel: they should be small
+        up = height - positions[:, 2]
+        # rows of [A_x, A_y, |A|^2, 1]: |A - x|^2 and (A - x) . u are products with columns of the particles
+        self._nodes = np.column_stack([away, np.sum(away**2, axis=-1) + up**2, np.ones(len(away))])
+        self._least_squared = least**2
+        self._work = Work()
+
+    def __call__(self, s: Floats, readings: Readings, w: Floats | None = None, excess: Floats | None = None) -> Scored:
+        """Score particles s (..., S, P).
+
+        w (..., P): weights before the epoch, for `by_node`. excess (..., N, P) [dB]: what a node should read at a
+        particle beyond its curves: a radio map's residual, walls, an offset of its link.
+        """
+        if readings.z.ndim > 1 or not np.isnan(readings.z).any():
+            return self._scored(self._nodes, s, readings, w, excess)
+        # one run: what was not heard is left out, not masked
+        heard = np.flatnonzero(~np.isnan(readings.z))
+        by_node = None if w is None else np.zeros(readings.z.size)
+        if not heard.size:
+            return Scored(np.zeros(s.shape[-1]), by_node)
+        off = None if excess is None else excess[heard]
+        scored = self._scored(self._nodes[heard], s, _of_nodes(readings, heard), w, off)
+        if by_node is not None:
+            by_node[heard] = scored.by_node
+        return Scored(scored.l, by_node)
+
+    def _scored(self, nodes: Floats, s: Floats, readings: Readings, w: Floats | None, excess: Floats | None) -> Scored:
+        """The same over the nodes' rows."""
+        z, sigma, curves = readings
+        kind, heard = self.kernel.kind, ~np.isnan(z)
+        shape = (*np.broadcast_shapes(s.shape[:-2], z.shape[:-1]), len(nodes), s.shape[-1])
+        lg_d2 = self._log_squared_distances(nodes, s, shape)
+        scale = np.where(heard, 1.0 / (math.sqrt(2.0) * sigma), 0.0)
+        rest = np.where(heard, z, 0.0)[..., None]
+        if excess is not None:
+            rest = np.subtract(rest, excess, out=self._work.of('rest', shape))
+        if kind == 'single':
+            log_p = self._log_kernel(curves.single, lg_d2, rest, scale, self._work.of('l', shape))
+        else:
+            los = self._log_kernel(curves.los, lg_d2, rest, scale, self._work.of('l', shape))
+            nlos = self._log_kernel(curves.nlos, lg_d2, rest, scale, self._work.of('n', shape))
+            if kind == 'soft':
+                return self._mixed(los, nlos, self._behind(nodes, s, lg_d2), sigma, heard, w)
+            if kind == 'direction':
+                log_p = los
+                np.copyto(los, nlos, where=self._towards(nodes, s, shape) <= 0.0)
+            else:
+                log_p = np.maximum(los, nlos, out=los)
+        return self._of_logs(log_p, sigma, heard, w)
+
+    # ---- geometry
+
+    def _log_squared_distances(self, nodes: Floats, s: Floats, shape: tuple[int, ...]) -> Floats:
+        """ln max(d, least)^2."""
+        c = np.empty((*s.shape[:-2], 4, s.shape[-1]))
+        x, y = s[..., X, :] - self._centre[0], s[..., Y, :] - self._centre[1]
+        np.multiply(x, -2.0, out=c[..., 0, :])
+        np.multiply(y, -2.0, out=c[..., 1, :])
+        c[..., 2, :] = 1.0
+        c[..., 3, :] = x * x + y * y
+        d2 = np.matmul(nodes, c, out=self._work.of('d', shape))
+        np.maximum(d2, self._least_squared, out=d2)
+        return np.log(d2, out=d2)
+
+    def _towards(self, nodes: Floats, s: Floats, shape: tuple[int, ...]) -> Floats:
+        """(A_i - x) . u(psi) [m]."""
+        c = np.empty((*s.shape[:-2], 4, s.shape[-1]))
+        facing = s[..., PSI, :] + s[..., YAW, :]
+        u_x, u_y = np.cos(facing, out=c[..., 0, :]), np.sin(facing, out=c[..., 1, :])
+        c[..., 2, :] = 0.0
+        c[..., 3, :] = -(u_x * (s[..., X, :] - self._centre[0]) + u_y * (s[..., Y, :] - self._centre[1]))
+        return np.matmul(nodes, c, out=self._work.of('t', shape))
+
+    def _behind(self, nodes: Floats, s: Floats, lg_d2: Floats) -> Floats:
+        """Probability p_i that the body is in between: eps + (1 - 2 eps) / (1 + exp(k cos theta))."""
+        p = self._towards(nodes, s, lg_d2.shape)
+        inverse = np.multiply(lg_d2, -0.5, out=lg_d2)  # the distances are no longer needed
+        np.exp(inverse, out=inverse)
+        np.multiply(p, inverse, out=p)
+        np.multiply(p, self.kernel.sharpness, out=p)
+        np.exp(p, out=p)
+        np.add(p, 1.0, out=p)
+        np.divide(1.0 - 2.0 * self.kernel.least, p, out=p)
+        return np.add(p, self.kernel.least, out=p)
+
+    # ---- densities, without their constant 1 / (s sqrt(2 pi)) or that of Student's
+
+    def _log_kernel(self, curve: Any, lg_d2: Floats, rest: Floats, scale: Floats, out: Floats) -> Floats:
+        """log of the density of a residual about a curve but for its constant; 0 where scale (..., N) is."""
+        slope = _column(np.asarray(curve.k) * LG_SQUARED * scale)
+        np.multiply(lg_d2, slope, out=out)
+        level = _column(np.broadcast_to(np.asarray(curve.p_ref), scale.shape) * scale)
+        np.subtract(rest * _column(scale) - level, out, out=out)
+        np.square(out, out=out)  # e^2 / (2 s^2)
+        dof = self.kernel.dof
+        if not dof:
+            return np.negative(out, out=out)
+        np.multiply(out, 2.0 / dof, out=out)
+        np.log1p(out, out=out)
+        return np.multiply(out, -0.5 * (dof + 1.0), out=out)
+
+    def _log_constant(self, sigma: Floats) -> Floats:
+        """log of that constant."""
+        dof = self.kernel.dof
+        if not dof:
+            return -np.log(sigma) - 0.5 * math.log(2.0 * math.pi)
+        student = math.lgamma(0.5 * (dof + 1.0)) - math.lgamma(0.5 * dof) - 0.5 * math.log(dof * math.pi)
+        return student - np.log(sigma)
+
+    # ---- from densities to the score
+
+    def _of_logs(self, log_p: Floats, sigma: Floats, heard: Any, w: Floats | None) -> Scored:
+        """Of one log density a node and particle."""
+        if self.kernel.outlier:
+            return self._of_products(np.exp(log_p, out=log_p), sigma, heard, w)
+        constant = np.where(heard, self._log_constant(sigma), 0.0)
+        l = log_p.sum(axis=-2) + constant.sum(axis=-1)[..., None]
+        if w is None:
+            return Scored(l, None)
+        top = log_p.max(axis=-1, keepdims=True)
+        np.exp(np.subtract(log_p, top, out=log_p), out=log_p)
+        return Scored(l, _log(_weighed(log_p, w)) + top[..., 0] + constant)
+
+    def _mixed(self, los: Floats, nlos: Floats, p: Floats, sigma: Floats, heard: Any, w: Floats | None) -> Scored:
+        """Of both densities, the second with probability p."""
+        if self.kernel.outlier:
+            f, g = np.exp(los, out=los), np.exp(nlos, out=nlos)
+            np.subtract(g, f, out=g)
+            np.multiply(g, p, out=g)
+            return self._of_products(np.add(f, g, out=f), sigma, heard, w)
+        np.add(nlos, np.log(p), out=nlos)
+        np.add(los, np.log1p(-p), out=los)
+        log_p = np.logaddexp(los, nlos, out=los)
+        np.copyto(log_p, 0.0, where=~heard[..., None])
+        return self._of_logs(log_p, sigma, heard, w)
+
+    def _of_products(self, f: Floats, sigma: Floats, heard: Any, w: Floats | None) -> Scored:
+        """Of densities with the outliers' share below them: their product needs no logarithm a node.
+
+        (1 - pi) f c + pi / SPAN_DB, divided by the constant c, which goes into the logarithm of the whole.
+        """
+        pi, log_c = self.kernel.outlier, self._log_constant(sigma)
+        floor = np.where(heard, pi / SPAN_DB * np.exp(-log_c), 0.0)
+        np.multiply(f, _column(np.where(heard, 1.0 - pi, 1.0)), out=f)
+        np.add(f, _column(floor), out=f)
+        constant = np.where(heard, log_c, 0.0)
+        lowest = float(np.log10(np.where(heard, floor, 1.0)).min())
+        at_once = max(int(SMALLEST / min(lowest, -1.0)), 1)
+        l = constant.sum(axis=-1)[..., None] + np.zeros(f.shape[-1])
+        for first in range(0, f.shape[-2], at_once):
+            l += np.log(np.multiply.reduce(f[..., first : first + at_once, :], axis=-2))
+        return Scored(l, None if w is None else _log(_weighed(f, w)) + constant)
+
+
+def _of_nodes(readings: Readings, rows: Any) -> Readings:
+    """Only these nodes of (N,)."""
+    curves = Curves(*(Curve(*(v if np.ndim(v) == 0 else v[rows] for v in curve)) for curve in readings.curves))
+    return Readings(readings.z[rows], readings.sigma[rows], curves)
+
+
+def _column(values: Floats) -> Floats:
+    """(..., N) -> (..., N, 1)."""
+    return np.asarray(values)[..., None]
+
+
+def _weighed(f: Floats, w: Floats) -> Floats:
+    """sum over particles of w f, (..., N)."""
+    return np.asarray((f @ w[..., None])[..., 0])
+
+
+def _log(f: Floats) -> Floats:
+    """log, -inf where f is 0."""
+    with np.errstate(divide='ignore'):
+        return np.log(f)
