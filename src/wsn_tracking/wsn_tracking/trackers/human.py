@@ -1,0 +1,126 @@
+"""System C: a person who wears a node, tracked by a particle filter (seed 003)."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from wsn_tracking.filters.ancestry import Ancestry
+from wsn_tracking.filters.particle import moments
+from wsn_tracking.filters.start import Area, area_of
+from wsn_tracking.models.anchors import Anchors, Floats
+from wsn_tracking.models.draws import Stream
+from wsn_tracking.models.walk import PSI, YAW, Inside, velocities
+from wsn_tracking.sensing.values import Epoch
+from wsn_tracking.trackers.estimate import Estimate, Kind
+from wsn_tracking.trackers.human_config import HumanConfig
+from wsn_tracking.trackers.human_filter import FLOOR, Excess, HumanFilter, Step
+from wsn_tracking.trackers.human_readings import SignalTable
+
+HUMAN = 2**34  # the stream of draws of this tracker
+FIRST = -1  # its epoch for the particles that it begins with
+
+
+class Particles(NamedTuple):
+    """What there is to draw."""
+
+    positions: Floats  # (P, 2) [m]
+    weights: Floats  # (P,)
+
+
+class HumanTracker:
+    """One person: one `step` an epoch, whatever was heard.
+
+    inside: points (..., 2) [m] -> whether a person can be there (..., ), beside the area.
+    excess: particles (..., S, P) -> (..., N, P) [dB] that the nodes should read beyond their curves.
+    """
+
+    def __init__(
+        self, config: HumanConfig, anchors: Anchors, inside: Inside | None = None, excess: Excess | None = None
+    ) -> None:
+        self.config = config.checked()
+        self.anchors = anchors
+        self.outputs: tuple[str, ...] = ('human', 'human_lag') if config.lag else ('human',)
+        self.counters: Counter[str] = Counter()
+        area: Area = (*config.area,) if config.area else area_of(anchors)  # type: ignore[assignment]
+        self._filter = HumanFilter(config, anchors, area, inside, excess)
+        self._table = SignalTable(config, anchors, self.counters)
+        self._draws = Stream(config.seed, HUMAN)
+        self._past = Ancestry(config.lag)
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget the past: as after a start."""
+        self._track = self._filter.begin((), self._draws.at(FIRST))
+        self._stamp_ns: int | None = None
+        self._begun_ns: int | None = None  # stamp of the epoch that time in `_past` is counted from
+        self._heard = False
+        self._last: Step | None = None
+        self._past.clear()
+
+    def step(self, epoch: Epoch) -> tuple[Estimate, ...]:
+        """Predict to the epoch, weigh the particles by what it holds, estimate, resample: one estimate an output."""
+        generator = self._draws.at(epoch.request_seq)
+        readings, ids = self._table.read(epoch)
+        dt = 0.0 if self._stamp_ns is None else (epoch.stamp_ns - self._stamp_ns) * 1e-9
+        if dt > self.config.start.gap:
+            self.counters['started_after_gap'] += 1
+            self.reset()
+            generator, dt = self._draws.at(epoch.request_seq), 0.0
+        step = self._filter.step(self._track, dt, readings, generator)
+        self.counters['reset'] += int(step.reset)
+        self._track, self._last = step.track, step
+        self._stamp_ns = max(epoch.stamp_ns, self._stamp_ns or epoch.stamp_ns)
+        self._heard = self._heard or bool(ids)
+        kind = Kind.LOCAL if self._heard else Kind.START
+        estimate = Estimate(
+            epoch.stamp_ns,
+            epoch.target_id,
+            epoch.request_seq,
+            'human',
+            step.mean,
+            step.covariance,
+            measurements=ids,
+            kind=kind,
+        )
+        return (estimate, self._lagged(estimate, step)) if self.config.lag else (estimate,)
+
+    def _lagged(self, now: Estimate, step: Step) -> Estimate:
+        """Where he was `lag` seconds ago, by the paths of today's particles; START until they reach back so far."""
+        if self._begun_ns is None:
+            self._begun_ns = now.stamp_ns
+        time = ((self._stamp_ns or now.stamp_ns) - self._begun_ns) * 1e-9
+        self._past.add(time, velocities(step.cloud.s), step.parents)
+        then = time - self.config.lag
+        mean, covariance = moments(self._past.at(then), step.cloud.w, FLOOR)
+        kind = Kind.SMOOTHED if self._heard and self._past.before(then) else Kind.START
+        stamp_ns = now.stamp_ns - round(self.config.lag * 1e9)
+        return now._replace(stamp_ns=stamp_ns, source='human_lag', mean=mean, covariance=covariance, kind=kind)
+
+    @property
+    def particles(self) -> Particles:
+        """The particles of the last estimate."""
+        cloud = self._track.cloud if self._last is None else self._last.cloud
+        return Particles(np.ascontiguousarray(cloud.s[:2].T), cloud.w)
+
+    def state(self) -> Mapping[str, Any]:
+        """What the last epoch tells beside the estimate, for diagnostics."""
+        last = self._last
+        if last is None:
+            return {'particles': self.config.particles, 'n_eff': float(self.config.particles), 'reset': False}
+        facing = last.cloud.s[PSI] + last.cloud.s[YAW]
+        c, s = (float(f(facing) @ last.cloud.w) for f in (np.cos, np.sin))
+        return {
+            'particles': last.cloud.log_w.size,
+            'n_eff': float(last.n_eff),
+            'log_evidence': float(last.evidence),
+            'evidence': dict(zip(self.anchors.ids.tolist(), last.by_node.tolist(), strict=True)),
+            'reset': bool(last.reset),
+            'heading': math.atan2(s, c),
+            'heading_known': math.hypot(c, s),  # 0: any direction, 1: this one
+            'speed': math.hypot(*last.mean[2:].tolist()),
+        }

@@ -1,0 +1,285 @@
+"""Parameters of system C: the particle filter that tracks a person."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, TypeVar
+
+from wsn_tracking.errors import TrackingError
+from wsn_tracking.filters.adaptive import Kld
+from wsn_tracking.filters.resampling import RESAMPLERS
+from wsn_tracking.models import walk
+from wsn_tracking.models.anchors import Anchors
+from wsn_tracking.models.body import LOS, NLOS, SINGLE, Curve, Curves, about_anchors
+from wsn_tracking.models.body_likelihood import Kernel
+from wsn_tracking.parameters import group, param
+
+Checked = TypeVar('Checked', bound='HumanConfig')
+OF_PROFILE = -1.0  # a number that the profile sets
+PROFILES: Mapping[str, Mapping[str, Any]] = {
+    'improved': {
+        'motion': 'walk',
+        'channel': 'soft',
+        'v_max': 4.0,
+        'extra': 0.0,
+        'outlier': 0.02,
+        'draws': 10000,
+        'reset': 2,
+    },
+    'paper_max': {
+        'motion': 'disc',
+        'channel': 'max',
+        'v_max': 4.0,
+        'extra': 0.0,
+        'outlier': 0.0,
+        'draws': 0,
+        'reset': 0,
+    },
+    'paper_direction': {
+        'motion': 'disc',
+        'channel': 'direction',
+        'v_max': 2.0,
+        'extra': 0.0,
+        'outlier': 0.0,
+        'draws': 0,
+        'reset': 0,
+    },
+    'rss_mcl': {
+        'motion': 'disc',
+        'channel': 'single',
+        'v_max': 3.0,
+        'extra': 5.6,
+        'outlier': 0.0,
+        'draws': 0,
+        'reset': 0,
+    },
+}
+
+
+@dataclass(frozen=True)
+class ChannelConfig:
+    """What a node should read."""
+
+    kind: str = param(
+        'profile',
+        'soft: both curves, mixed by where the body faces; max: the likelier one (eq. 15); direction: the one on whose '
+        'side he walks (eq. 13); single: one curve; profile: as `profile` says',
+        choices=('profile', 'soft', 'max', 'direction', 'single'),
+    )
+    curves: str = param(
+        'anchors',
+        "anchors: LOS and NLOS lie about each node's own path loss as about the single curve here; given: as they are "
+        'here, for every node',
+        choices=('anchors', 'given'),
+    )
+    los: tuple[float, ...] = param(tuple(LOS), 'in front of the body: at 1 m, and per decade of distance', 'dBm and dB')
+    nlos: tuple[float, ...] = param(tuple(NLOS), 'behind the body', 'dBm and dB')
+    single: tuple[float, ...] = param(tuple(SINGLE), 'both in one', 'dBm and dB')
+    body_loss: float = param(0.0, 'of every reading, by being worn: negative is loss', 'dB', -60.0, 60.0)
+    least_distance: float = param(0.3, 'no node is nearer to the chest', 'm', 1e-3, 100.0)
+    sigma: float = param(
+        0.0, 'standard deviation of a reading; 0: as the packets tell, else the anchors', 'dB', 0.0, 100.0
+    )
+    extra: float = param(
+        OF_PROFILE,
+        'more deviation, added in squares, for what the curves leave out; -1: as `profile` says',
+        'dB',
+        -1.0,
+        100.0,
+    )
+    dof: float = param(0.0, 'degrees of freedom of Student-t noise, 2 to 4 on real radio; 0: Gaussian', '', 0.0, 1e6)
+    outlier: float = param(
+        OF_PROFILE, 'share of readings that say nothing (uniform over 60 dB); -1: as `profile` says', '', -1.0, 0.9
+    )
+    sharpness: float = param(2.0, 'soft: k, how sharply a body shades', '', 0.0, 50.0)
+    least_share: float = param(0.1, 'soft: eps, how often a node ahead is shaded, and one behind is not', '', 1e-3, 0.5)
+
+
+@dataclass(frozen=True)
+class MotionConfig:
+    """How he may have moved."""
+
+    kind: str = param(
+        'profile',
+        'walk: legs, pauses and a body that turns; random_walk: steps without memory; disc: anywhere within v_max dt '
+        '(the document); profile: as `profile` says',
+        choices=('profile', 'walk', 'random_walk', 'disc'),
+    )
+    v_max: float = param(
+        OF_PROFILE,
+        "disc: sets lag against noise, some 2 to 4 x the walker's speed; -1: as `profile` says",
+        'm/s',
+        -1.0,
+        100.0,
+    )
+    step: float = param(0.6, 'random_walk: standard deviation per axis', 'm/sqrt(s)', 1e-3, 100.0)
+    slowest: float = param(0.5, 'walk: of somebody who walks', 'm/s', 0.0, 100.0)
+    fastest: float = param(2.0, 'walk: of somebody who walks', 'm/s', 1e-3, 100.0)
+    walk_time: float = param(30.0, 'walk: mean time until he pauses', 's', 1e-3, 1e9)
+    pause_time: float = param(5.0, 'walk: mean time until he goes on', 's', 1e-3, 1e9)
+    turn_time: float = param(8.0, 'walk: mean time until he takes another direction, any', 's', 1e-3, 1e9)
+    heading_noise: float = param(0.25, 'walk: of the direction', 'rad/sqrt(s)', 0.0, 100.0)
+    speed_noise: float = param(0.25, 'walk: of the speed', 'm/s/sqrt(s)', 0.0, 100.0)
+    position_noise: float = param(0.05, 'walk: of the position', 'm/sqrt(s)', 0.0, 100.0)
+    yaw: float = param(0.6, 'walk: standard deviation of the body against the walking direction', 'rad', 0.0, 10.0)
+    yaw_time: float = param(10.0, 'walk: correlation time of that', 's', 1e-3, 1e9)
+
+
+@dataclass(frozen=True)
+class ResamplingConfig:
+    """When particles are drawn anew, how, and how many."""
+
+    kind: str = param('systematic', 'how copies are drawn', choices=tuple(RESAMPLERS))
+    threshold: float = param(0.5, 'drawn anew when N_eff is below this share of the particles', '', 0.0, 1.0)
+    inverted: bool = param(False, 'when N_eff is above it, as the document prints: for comparison alone')
+    kld: float = param(0.0, 'number of particles by KLD sampling with this error; 0: it stays', '', 0.0, 1.0)
+    kld_cell: float = param(0.5, 'KLD: side of a cell', 'm', 1e-3, 1e3)
+    kld_least: int = param(100, 'KLD: never fewer particles', '', 1, 1000000)
+    kld_most: int = param(5000, 'KLD: never more', '', 1, 1000000)
+
+
+@dataclass(frozen=True)
+class StartConfig:
+    """Where the particles come from, at first and when they have lost him."""
+
+    draws: int = param(
+        -1,
+        'places weighed by the first epoch that is heard; 0: all particles anywhere; -1: as `profile` says',
+        '',
+        -1,
+        1000000,
+    )
+    gap: float = param(60.0, 'time without an epoch after which he may be anywhere', 's', 1e-3, 1e9)
+    reset_epochs: int = param(
+        -1,
+        'epochs in a row that contradict the particles before they are drawn anew; 0: never; -1: as `profile` says',
+        '',
+        -1,
+        1000,
+    )
+    reset_excess: float = param(
+        2.92, 'an epoch does where the median node says less than -(this + ln sigma) in log evidence', '', 0.0, 1e3
+    )
+    reset_nodes: int = param(3, 'and so many nodes are heard', '', 1, 65535)
+
+
+@dataclass(frozen=True)
+class HumanConfig:
+    """One person."""
+
+    profile: str = param(
+        'improved',
+        'what the parameters that name it are. improved: walk and soft; paper_max, paper_direction: the two filters of '
+        'the document; rss_mcl: the baseline with one curve',
+        choices=tuple(PROFILES),
+    )
+    particles: int = param(500, 'Np', '', 2, 1000000)
+    seed: int = param(0, 'of all draws, which are keyed by seed and epoch', '', 0)
+    area: tuple[float, ...] = param(
+        (), 'x_min, y_min, x_max, y_max where a person can be; empty: round the anchors', 'm'
+    )
+    target_height: float = param(0.0, 'height at which the node is worn', 'm', -1e4, 1e4)
+    lag: float = param(
+        0.0, 'a second output tells where he was so long ago, by what was heard since; 0: none', 's', 0.0, 60.0
+    )
+    channel: ChannelConfig = group(ChannelConfig)
+    motion: MotionConfig = group(MotionConfig)
+    resampling: ResamplingConfig = group(ResamplingConfig)
+    start: StartConfig = group(StartConfig)
+
+    def checked(self: Checked) -> Checked:
+        """Itself, or TrackingError where fields contradict each other."""
+        if self.area and not (len(self.area) == 4 and self.area[0] < self.area[2] and self.area[1] < self.area[3]):
+            raise TrackingError(f'`area` is {list(self.area)}: expected x_min, y_min, x_max, y_max with min < max')
+        for name in ('los', 'nlos', 'single'):
+            if len(getattr(self.channel, name)) != 2:
+                raise TrackingError(f'`channel.{name}` takes two numbers: at 1 m [dBm], and per decade [dB]')
+        if self.motion.fastest < self.motion.slowest:
+            raise TrackingError(
+                f'`motion.fastest` {self.motion.fastest:g} is below `motion.slowest` {self.motion.slowest:g}'
+            )
+        if self.resampling.kld_most < self.resampling.kld_least:
+            raise TrackingError(
+                f'`resampling.kld_most` {self.resampling.kld_most} is below '
+                f'`resampling.kld_least` {self.resampling.kld_least}'
+            )
+        return self
+
+    def _chosen(self, value: Any, name: str) -> Any:
+        return PROFILES[self.profile][name] if value in ('profile', OF_PROFILE) else value
+
+    @property
+    def kernel(self) -> Kernel:
+        """How residuals are weighed."""
+        c = self.channel
+        outlier = self._chosen(c.outlier, 'outlier')
+        return Kernel(self._chosen(c.kind, 'channel'), c.dof, outlier, c.sharpness, c.least_share)
+
+    @property
+    def extra_db(self) -> float:
+        """Deviation that is added to a reading's own."""
+        return float(self._chosen(self.channel.extra, 'extra'))
+
+    @property
+    def motion_kind(self) -> str:
+        """walk, random_walk or disc."""
+        return str(self._chosen(self.motion.kind, 'motion'))
+
+    @property
+    def v_max(self) -> float:
+        """Of a disc."""
+        return float(self._chosen(self.motion.v_max, 'v_max'))
+
+    @property
+    def draws(self) -> int:
+        """Places that a start weighs."""
+        return int(self._chosen(self.start.draws, 'draws'))
+
+    @property
+    def reset_epochs(self) -> int:
+        """Epochs in a row that lead to a new start."""
+        return int(self._chosen(self.start.reset_epochs, 'reset'))
+
+
+def curves_of(config: HumanConfig, anchors: Anchors) -> Curves:
+    """The channel of every node, (N,)."""
+    c = config.channel
+    given = Curves(Curve(*c.los), Curve(*c.nlos), Curve(*c.single))
+    chosen = about_anchors(given, anchors) if c.curves == 'anchors' else given
+    ones = [curve.p_ref + c.body_loss for curve in chosen], [curve.k for curve in chosen]
+    return Curves(*(Curve(p + 0.0 * anchors.n, k + 0.0 * anchors.n) for p, k in zip(*ones, strict=True)))
+
+
+def walk_of(config: HumanConfig) -> walk.Walk:
+    """The model of legs and pauses; of a motion without them: always walking, facing where it steps."""
+    m = config.motion
+    if config.motion_kind != 'walk':
+        return walk.Walk(v_min=0.0, v_max=0.0, pause_s=0.0, yaw_std=0.0)
+    return walk.Walk(
+        m.slowest,
+        m.fastest,
+        m.walk_time,
+        m.pause_time,
+        m.turn_time,
+        m.heading_noise,
+        m.speed_noise,
+        m.position_noise,
+        m.yaw,
+        m.yaw_time,
+    )
+
+
+def transition_of(config: HumanConfig) -> walk.Transition:
+    """How particles move."""
+    if config.motion_kind == 'disc':
+        return walk.disc(walk.Disc(config.v_max))
+    if config.motion_kind == 'random_walk':
+        return walk.random_walk(walk.RandomWalk(config.motion.step))
+    return walk.walk(walk_of(config))
+
+
+def kld_of(config: HumanConfig) -> Kld | None:
+    """How the number of particles follows what is known; None: it does not."""
+    r = config.resampling
+    return Kld(r.kld, r.kld_cell, least=r.kld_least, most=r.kld_most) if r.kld else None

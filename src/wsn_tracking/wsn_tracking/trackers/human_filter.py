@@ -1,0 +1,194 @@
+"""The particle filter of system C, one step after the other, for one run or many at once (seed 003, section 3.4)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wsn_tracking.filters.adaptive import enough
+from wsn_tracking.filters.particle import Cloud, descended, equal, moments, resampled, reweighed, taken, worth
+from wsn_tracking.filters.resampling import RESAMPLERS, Indices
+from wsn_tracking.models.anchors import Anchors, Floats, Mask
+from wsn_tracking.models.body_likelihood import BodyLikelihood, Readings, Scored
+from wsn_tracking.models.walk import Inside, drawn, kept, rectangle, velocities
+from wsn_tracking.trackers.human_config import HumanConfig, kld_of, transition_of, walk_of
+
+LONGEST_STEP = 1.0  # [s] of one transition of a walk
+FLOOR = 1e-3  # [m, m/s] least standard deviation that is told
+NEVER_HEARD = -1
+
+Area = tuple[float, float, float, float]
+Excess = Callable[[Floats], Floats]  # particles (..., S, P) -> (..., N, P) [dB] beyond the curves
+
+
+class Track(NamedTuple):
+    """What is kept from epoch to epoch."""
+
+    cloud: Cloud
+    started: Mask  # (...) whether the particles have been placed by what was heard
+    strikes: NDArray[np.int64]  # (...) epochs in a row that contradicted the particles
+    parents: Indices | None = None  # (..., P) where the particles were in the cloud of the last epoch
+
+
+class Step(NamedTuple):
+    """One epoch."""
+
+    track: Track  # resampled, for the next epoch
+    cloud: Cloud  # as the estimate saw it
+    parents: Indices | None  # (..., P) of these particles in the cloud of the epoch before
+    mean: Floats  # (..., 4) position and velocity
+    covariance: Floats  # (..., 4, 4)
+    evidence: Floats  # (...) log p(z_t | z_1:t-1) [dB^-N]
+    by_node: Floats  # (..., N) the same of each node; 0 where it was not heard
+    n_eff: Floats  # (...)
+    reset: Mask  # (...) whether the particles were drawn anew
+
+
+class HumanFilter:
+    """Configuration and nodes; `begin`, then one `step` an epoch.
+
+    inside: where a person can be, beside the area. excess: what nodes should read at particles beyond their curves.
+    """
+
+    def __init__(
+        self,
+        config: HumanConfig,
+        anchors: Anchors,
+        area: Area,
+        inside: Inside | None = None,
+        excess: Excess | None = None,
+    ) -> None:
+        self.config = config
+        self.area = area
+        self.likelihood = BodyLikelihood(
+            config.kernel, anchors.positions, config.target_height, config.channel.least_distance
+        )
+        self._walk = walk_of(config)
+        self._transition = transition_of(config)
+        self._longest = LONGEST_STEP if config.motion_kind == 'walk' else math.inf
+        self._within = rectangle(area)
+        self._inside = inside
+        self._excess = excess
+        self._resample = RESAMPLERS[config.resampling.kind]
+        self._kld = kld_of(config)
+
+    def begin(self, runs: tuple[int, ...], generator: np.random.Generator) -> Track:
+        """Particles anywhere."""
+        s = self._anywhere(runs, self.config.particles, generator)
+        return Track(equal(s), np.full(runs, self.config.draws == 0), np.zeros(runs, dtype=np.int64))
+
+    def step(self, track: Track, dt: float, readings: Readings, generator: np.random.Generator) -> Step:
+        """One epoch dt [s] after the last; dt <= 0: nobody moves. Readings are of the nodes (N,) in every run."""
+        heard = ~np.isnan(readings.z)
+        any_heard = heard.any(axis=-1)
+        s = self._moved(track.cloud.s, dt, generator)
+        scored = self.score(s, readings, track.cloud.w)
+        cloud, evidence = reweighed(Cloud(s, track.cloud.log_w), scored.l)
+        assert scored.by_node is not None
+        strikes, lost = self._struck(track, readings, scored.by_node, heard)
+        anew = (lost | ~track.started) & any_heard
+        parents = track.parents
+        if np.any(anew):
+            cloud, parents = self._placed(cloud, parents, anew, readings, generator)
+        w = cloud.w
+        mean, covariance = moments(velocities(cloud.s), w, FLOOR)
+        n_eff = worth(w)
+        after = self._next(cloud, n_eff, generator)
+        following = Track(after[0], track.started | any_heard, np.where(anew, 0, strikes), after[1])
+        reset = anew & track.started
+        return Step(following, cloud, parents, mean, covariance, evidence, scored.by_node, n_eff, reset)
+
+    def score(self, s: Floats, readings: Readings, w: Floats | None = None) -> Scored:
+        """Log-likelihood of an epoch at particles (..., S, P)."""
+        return self.likelihood(s, readings, w, None if self._excess is None else self._excess(s))
+
+    def _moved(self, s: Floats, dt: float, generator: np.random.Generator) -> Floats:
+        if dt <= 0.0:
+            return s
+        steps = max(math.ceil(dt / self._longest), 1)
+        for _ in range(steps):
+            s = self._kept(s, self._transition(s, dt / steps, generator), generator)
+        return s
+
+    def _kept(self, before: Floats, after: Floats, generator: np.random.Generator) -> Floats:
+        after = kept(before, after, self._within, generator)
+        return after if self._inside is None else kept(before, after, self._inside, generator)
+
+    def _struck(self, track: Track, readings: Readings, by_node: Floats, heard: Mask) -> tuple[NDArray[np.int64], Mask]:
+        """How often in a row the median node has contradicted the particles, and where that is too often."""
+        start = self.config.start
+        if not self.config.reset_epochs:
+            return track.strikes, np.zeros_like(track.started)
+        surprise = np.where(heard, -by_node - np.log(readings.sigma), np.nan)
+        counts = heard.sum(axis=-1) >= start.reset_nodes
+        median = _median(surprise)
+        strikes = np.where(counts, np.where(median > start.reset_excess, track.strikes + 1, 0), track.strikes)
+        return strikes, np.asarray((strikes >= self.config.reset_epochs) & track.started)
+
+    # ---- placing particles
+
+    def _anywhere(self, runs: tuple[int, ...], n: int, generator: np.random.Generator) -> Floats:
+        x_min, y_min, x_max, y_max = self.area
+        corner, size = np.array([[x_min], [y_min]]), np.array([[x_max - x_min], [y_max - y_min]])
+        places: Floats = corner + size * generator.random((*runs, 2, n))
+        if self._inside is not None:
+            places = _rather_inside(places, self._inside)
+        return drawn(self._walk, places, generator)
+
+    def _placed(
+        self, cloud: Cloud, parents: Indices | None, anew: Mask, readings: Readings, generator: np.random.Generator
+    ) -> tuple[Cloud, Indices | None]:
+        """The cloud with particles drawn by the likelihood of the epoch alone where `anew`.
+
+        Their parents are drawn by the old weights: whoever asks where he was hears what was believed then.
+        """
+        P, batch = cloud.log_w.shape[-1], np.ndim(anew) > 0
+        z, sigma = (column[anew] if batch else column for column in readings[:2])
+        n = max(self.config.draws, P)
+        candidates = self._anywhere(z.shape[:-1], n, generator)
+        scored, _ = reweighed(equal(candidates), self.score(candidates, readings._replace(z=z, sigma=sigma)).l)
+        new = taken(candidates, self._resample(scored.w, P, generator))
+        came_from = self._resample(cloud.w, P, generator)
+        if batch:
+            s, log_w = cloud.s.copy(), cloud.log_w.copy()
+            s[anew], log_w[anew] = new, -np.log(P)
+            came_from = np.where(anew[..., None], came_from, np.arange(P))
+        else:
+            s, log_w = equal(new)
+        return Cloud(s, log_w), descended(parents, came_from)
+
+    def _next(self, cloud: Cloud, n_eff: Floats, generator: np.random.Generator) -> tuple[Cloud, Indices | None]:
+        """Resampled where too few particles count."""
+        r = self.config.resampling
+        P = cloud.log_w.shape[-1]
+        low = n_eff < r.threshold * P
+        n = P
+        if self._kld is not None and cloud.log_w.ndim == 1:
+            n = enough(self._kld, taken(cloud.s[:2], self._resample(cloud.w, P, generator)))
+            low = low | (abs(n - P) > 0.1 * P)
+            n = n if low else P
+        after = resampled(cloud, self._resample, generator, ~low if r.inverted else low, n)
+        return after.cloud, after.parents
+
+
+def _median(values: Floats) -> Floats:
+    """Median over the last axis of what is not NaN; NaN where all are."""
+    ordered = np.sort(values, axis=-1)  # NaN sorts to the end
+    count = (~np.isnan(ordered)).sum(axis=-1)
+    low, high = np.maximum(count - 1, 0) // 2, np.minimum(count // 2, max(values.shape[-1] - 1, 0))
+    pick = [np.take_along_axis(ordered, at[..., None], axis=-1)[..., 0] for at in (low, high)]
+    return np.asarray(0.5 * (pick[0] + pick[1]))
+
+
+def _rather_inside(places: Floats, inside: Inside) -> Floats:
+    """Places (..., 2, n) of which those outside are moved onto others of their run that are inside, if any are."""
+    good = inside(np.swapaxes(places, -1, -2))
+    order = np.argsort(~good, axis=-1, kind='stable')  # those inside come first
+    count = np.maximum(good.sum(axis=-1, keepdims=True), 1)
+    chosen = np.take_along_axis(order, np.arange(places.shape[-1]) % count, axis=-1)
+    chosen = np.where(good.any(axis=-1, keepdims=True), chosen, np.arange(places.shape[-1]))
+    return np.take_along_axis(places, chosen[..., None, :], axis=-1)
