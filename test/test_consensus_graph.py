@@ -19,7 +19,7 @@ from wsn_tracking.offline import offline
 from wsn_tracking.simulation.b_field import FieldConfig, b_field
 from wsn_tracking.simulation.record import record
 
-TIMEOUT = 60.0  # [s]
+TIMEOUT = 180.0  # [s] on a machine that does much else
 
 
 def bag_of(folder, epochs):

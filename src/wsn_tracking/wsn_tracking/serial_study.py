@@ -25,9 +25,9 @@ import numpy as np
 
 from wsn_tracking import graphs, processes
 from wsn_tracking.airwaves import air_epochs
-from wsn_tracking.configuration import Values
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.files import write_whole
+from wsn_tracking.parameters import Values
 from wsn_tracking.simulation.record import record
 from wsn_tracking.simulation.scenarios import scenario
 from wsn_tracking.zstack.commands import decode

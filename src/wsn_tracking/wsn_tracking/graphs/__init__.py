@@ -6,9 +6,11 @@ without any process. Nothing here knows ROS beyond names.
 
 from wsn_tracking.graphs.parts import How, Plan, Process, Source, complete, open_bag, source_of
 from wsn_tracking.graphs.plans import SYSTEMS, configuration_of, plans_of, system_of
+from wsn_tracking.graphs.random_q import BRIDGE
 from wsn_tracking.graphs.whole import replay, serial, simulation
 
 __all__ = [
+    'BRIDGE',
     'SYSTEMS',
     'How',
     'Plan',

@@ -7,11 +7,15 @@ from typing import Any, NamedTuple
 
 from wsn_tracking.configuration import Configuration
 from wsn_tracking.graphs.parts import LISTENERS, LOSS_TIMEOUT, How, Process, Source, numbers_of, reported
+from wsn_tracking.node_parameters.human import HumanNodeConfig
+from wsn_tracking.node_parameters.hybrid import HybridNodeConfig
 from wsn_tracking.node_parameters.loss_tolerant import LossTolerantNodeConfig
 from wsn_tracking.node_parameters.trackers import TrackerNodeConfig
 from wsn_tracking.parameters import Values, build
 
 CONFIGS: Mapping[str, type[TrackerNodeConfig]] = {
+    'human': HumanNodeConfig,
+    'hybrid': HybridNodeConfig,
     'loss_tolerant': LossTolerantNodeConfig,
 }
 

@@ -8,6 +8,8 @@ from typing import Any
 from wsn_tracking.node_parameters.consensus import ConsensusNodeConfig
 from wsn_tracking.node_parameters.estimator import EstimatorNodeConfig
 from wsn_tracking.node_parameters.feeds import PlayerConfig, WorldConfig
+from wsn_tracking.node_parameters.human import HumanNodeConfig
+from wsn_tracking.node_parameters.hybrid import HybridNodeConfig
 from wsn_tracking.node_parameters.listeners import EvaluatorConfig, MarkerConfig, RecorderConfig
 from wsn_tracking.node_parameters.loss_tolerant import LossTolerantNodeConfig
 from wsn_tracking.node_parameters.sensing import SensingNodeConfig
@@ -19,6 +21,8 @@ EXECUTABLES: Mapping[str, type[Any]] = {
     'sink_simulator': SinkSimulatorConfig,
     'estimator_node': EstimatorNodeConfig,
     'consensus_node': ConsensusNodeConfig,
+    'human_tracker_node': HumanNodeConfig,
+    'hybrid_tracker_node': HybridNodeConfig,
     'loss_tolerant_tracker_node': LossTolerantNodeConfig,
     'world_node': WorldConfig,
     'bag_player_node': PlayerConfig,

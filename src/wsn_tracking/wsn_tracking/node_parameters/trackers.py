@@ -17,7 +17,6 @@ class TrackerNodeConfig(AssemblyConfig):
 
     system: ClassVar[str]
     several: ClassVar[bool] = False  # whether it tracks every target that asks
-    most_targets: ClassVar[int] = 1
 
     input: str = param(
         'auto',
@@ -34,6 +33,10 @@ class TrackerNodeConfig(AssemblyConfig):
     def expected_targets(self) -> tuple[int, ...]:
         """The targets whose outputs are there from the start; -1: the first that is heard."""
         return (self.target_id,)
+
+    def follows_another(self, count: int) -> bool:
+        """Whether a target that is heard is followed, beside `count` others."""
+        return False
 
     def tracker(self, anchors: Anchors, target_id: int) -> Tracker:
         """What tracks a target."""

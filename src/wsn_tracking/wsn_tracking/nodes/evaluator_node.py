@@ -187,6 +187,8 @@ class EvaluatorNode(TrackingNode[EvaluatorConfig]):
         for dropped in systems.values():
             worst |= dropped
         counts.update(worst)
+        if len(self._ends) > 1:
+            del counts['other_target']  # another system follows it
         return {reason: n for reason, n in counts.items() if n}
 
     def health(self) -> Health:

@@ -126,7 +126,7 @@ class Tracks:
         if not self._config.several:
             return self.by_target[self._config.target_id]
         if message.target_id not in self.by_target:
-            if self._config.expected_targets or len(self.by_target) >= self._config.most_targets:
+            if not self._config.follows_another(len(self.by_target)):
                 self._other += 1
                 return None
             self._add(message.target_id)

@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 
 from wsn_tracking.bags.thin import thin
-from wsn_tracking.configuration import Values, load_configuration
+from wsn_tracking.configuration import load_configuration
 from wsn_tracking.evaluation.run import epochs_of
 from wsn_tracking.evaluation.score import Score, pool, score
 from wsn_tracking.models.links import Loss
-from wsn_tracking.parameters import build
+from wsn_tracking.parameters import Values, build
 from wsn_tracking.real_radio.sets import Bags, Sets
 from wsn_tracking.real_radio.tables import Result, figures
 from wsn_tracking.trackers.loss_tolerant import LossTolerantTracker

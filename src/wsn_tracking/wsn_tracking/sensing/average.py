@@ -57,7 +57,7 @@ def _has_arrived(packet: Measurement) -> bool:
 
 def _range_of(packet: RangeBearing) -> Range:
     variance = packet.covariance[0]
-    told = variance if 0.0 < variance < USABLE_STD**2 else NAN
+    told = variance if USABLE_STD[0] ** 2 <= variance < USABLE_STD[1] ** 2 else NAN
     head = packet.stamp_ns, packet.node_id, packet.target_id, packet.seq, packet.request_seq
     return Range(*head, Modality.OTHER, packet.range, told)
 
