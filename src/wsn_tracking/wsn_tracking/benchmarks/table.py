@@ -12,14 +12,23 @@ from typing import Any
 import numpy as np
 
 from wsn_tracking.benchmarks import bags, graph, nodes, serial
-from wsn_tracking.evaluation import benchmark_consensus, benchmark_filter, benchmark_fusion
+from wsn_tracking.evaluation import benchmark_consensus, benchmark_filter, benchmark_fusion, benchmark_particle
 from wsn_tracking.evaluation.benchmark_rows import Goal, Row, Sizes
 
 GROUPS: Mapping[str, Callable[[Sizes], Iterable[Row]]] = {
     module.GROUP: module.rows
-    for module in (benchmark_filter, benchmark_fusion, benchmark_consensus, bags, serial, graph, nodes)
+    for module in (
+        benchmark_filter,
+        benchmark_fusion,
+        benchmark_consensus,
+        benchmark_particle,
+        bags,
+        serial,
+        graph,
+        nodes,
+    )
 }
-PACKAGES = ('numpy', 'scipy', 'filterpy', 'stonesoup', 'mcap-ros2-support')
+PACKAGES = ('numpy', 'scipy', 'filterpy', 'stonesoup', 'particles', 'mcap-ros2-support')
 ALIGNED = '<><>><'
 HEADINGS = ('work', 'ours', 'peer', 'ratio', 'goal', '')
 FOOTNOTE = (

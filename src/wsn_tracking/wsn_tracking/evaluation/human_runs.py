@@ -13,7 +13,7 @@ from wsn_tracking.filters.ancestry import Ancestry
 from wsn_tracking.filters.particle import moments
 from wsn_tracking.models.anchors import Anchors, Floats, Mask
 from wsn_tracking.models.body_likelihood import Readings
-from wsn_tracking.models.walk import velocities
+from wsn_tracking.models.walk import PLANAR
 from wsn_tracking.simulation.c_body import BodyConfig, hear, nodes, people
 from wsn_tracking.simulation.paths import Area
 from wsn_tracking.trackers.human_config import HumanConfig, curves_of
@@ -38,7 +38,7 @@ class Tracks(NamedTuple):
     mean: Floats  # (runs, K, 4)
     covariance: Floats  # (runs, K, 4, 4)
     reset: Mask  # (runs, K)
-    by_node: Floats  # (runs, K, N) log evidence
+    by_node: Floats  # (runs, K, N) log evidence, where asked for
 
 
 def sample(config: BodyConfig, runs: int, seed: int) -> Walks:
@@ -53,7 +53,7 @@ def sample(config: BodyConfig, runs: int, seed: int) -> Walks:
     return Walks(anchors, config.area, t, walked.states, np.stack(z, axis=1))
 
 
-def track(config: HumanConfig, walks: Walks, seed: int = 1) -> Tracks:
+def track(config: HumanConfig, walks: Walks, seed: int = 1, *, nodes_too: bool = False) -> Tracks:
     """Every run through all epochs; with `lag`, the estimates of that long ago, at the times that they are of.
 
     Those of the first `lag` seconds are repeated at the end of what is known: the last ones are NaN.
@@ -70,12 +70,15 @@ def track(config: HumanConfig, walks: Walks, seed: int = 1) -> Tracks:
     for k, t in enumerate(walks.times.tolist()):
         dt = t - float(walks.times[k - 1]) if k else 0.0
         z = walks.z[:, k]
-        step = human.step(state, dt, Readings(z, np.broadcast_to(sigma, z.shape), curves), generator)
-        state, reset[:, k], by_node[:, k] = step.track, step.reset, step.by_node
+        readings = Readings(z, np.broadcast_to(sigma, z.shape), curves)
+        step = human.step(state, dt, readings, generator)
+        state, reset[:, k] = step.track, step.reset
+        if nodes_too:
+            by_node[:, k] = human.evidence_by_node(step.prior, readings)
         if not config.lag:
             mean[:, k], covariance[:, k] = step.mean, step.covariance
             continue
-        past.add(t, velocities(step.cloud.s), step.parents)
+        past.add(t, step.cloud.s[..., PLANAR, :], step.parents)
         if past.before(t - config.lag):
             then = int(np.argmin(np.abs(walks.times - (t - config.lag))))
             mean[:, then], covariance[:, then] = moments(past.at(t - config.lag), step.cloud.w)

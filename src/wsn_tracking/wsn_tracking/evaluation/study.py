@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from wsn_tracking.errors import TrackingError
-from wsn_tracking.evaluation import study_loss, study_process_noise, study_random_q, study_triggers
+from wsn_tracking.evaluation import study_human, study_loss, study_process_noise, study_random_q, study_triggers
 from wsn_tracking.files import write_whole
 
 COMMAND = 'python -m wsn_tracking.evaluation.study -o docs/results'
@@ -29,6 +29,18 @@ STUDIES: Mapping[str, Mapping[str, Study]] = {  # file: its studies
         'process_noise': study_process_noise.process_noise,
         'fusion_rules': study_process_noise.fusion_rules,
         'data_rate': study_triggers.data_rate,
+    },
+    'human': {
+        'profiles': study_human.profiles,
+        'circle': study_human.circle,
+        'corridor': study_human.corridor,
+        'spacing': study_human.spacing,
+        'noise': study_human.noise,
+        'parts': study_human.parts,
+        'teleport': study_human.teleport,
+        'needless': study_human.needless,
+        'silence': study_human.silence,
+        'disc_lag': study_human.disc_lag,
     },
     'loss_tolerant': {
         'loss_rate': study_loss.loss_rate,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -15,6 +15,7 @@ from wsn_tracking.filters.particle import equal, moments, reweighed
 from wsn_tracking.models.anchors import Floats
 from wsn_tracking.models.body import SINGLE, mean_rssi
 from wsn_tracking.models.body_likelihood import Readings
+from wsn_tracking.models.walk import STATES
 from wsn_tracking.simulation.c_body import BodyConfig, CircleConfig, CorridorConfig, SpacingConfig, nodes
 from wsn_tracking.trackers.human_config import (
     ChannelConfig,
@@ -184,17 +185,18 @@ def recovery(d: Floats, times: Floats, at: float) -> Floats:
 def needless(runs: int = 60) -> Result:
     """How often two epochs in a row would have particles drawn anew that follow their target, a median or a mean."""
     never = replace(IMPROVED, start=StartConfig(reset_epochs=0))
+    middles: Mapping[str, Callable[..., Floats]] = {'median': np.nanmedian, 'mean': np.nanmean}
     result: Result = {'runs': runs, 'seed': SEED}
     for name, config in {'no_outliers': BodyConfig(), 'outliers_10_percent': BodyConfig(outliers=0.1)}.items():
         walks = sample(config, runs, SEED)
-        tracks = track(never, walks, SEED)
+        tracks = track(never, walks, SEED, nodes_too=True)
         surprise = np.where(np.isnan(walks.z), np.nan, -tracks.by_node - np.log(config.sigma))
         follows = distances(tracks, walks) < FOUND
         enough = np.sum(~np.isnan(surprise), axis=-1) >= never.start.reset_nodes
         hours = float(follows.sum()) * config.period / 3600.0
         result[name] = {
             kind: per_hour(enough & follows & (of(surprise, axis=-1) > never.start.reset_excess), hours)
-            for kind, of in {'median': np.nanmedian, 'mean': np.nanmean}.items()
+            for kind, of in middles.items()
         }
     return result
 
@@ -256,7 +258,7 @@ def straight(speed: float, runs: int) -> tuple[Walks, float]:
     variances = []
     for k in range(0, t.size, 10):
         draws = equal(human.begin((runs,), generator).cloud.s[..., :2, :].repeat(8, axis=-1))
-        places = np.zeros((runs, 6, draws.s.shape[-1]))
+        places = np.zeros((runs, STATES, draws.s.shape[-1]))
         places[:, :2] = draws.s + 2.0 * generator.standard_normal(draws.s.shape)
         readings = Readings(z[:, k], np.full(z[:, k].shape, config.sigma), curves_of(human.config, anchors))
         after, _ = reweighed(equal(places), human.score(places, readings).l)

@@ -40,10 +40,10 @@ def equal(s: Floats) -> Cloud:
 
 def log_sum(l: Floats) -> Floats:
     """log sum exp over the last axis, (..., P) -> (...); -inf where every term is."""
-    top = l.max(axis=-1, keepdims=True)
-    top = np.where(np.isfinite(top), top, 0.0)
-    with np.errstate(divide='ignore'):
-        return np.asarray(np.log(np.exp(l - top).sum(axis=-1)) + top[..., 0])
+    top = l.max(axis=-1)
+    known = np.isfinite(top)
+    total = np.exp(l - np.where(known, top, 0.0)[..., None]).sum(axis=-1)  # at least one
+    return np.asarray(np.where(known, np.log(np.maximum(total, 1.0)) + top, top))
 
 
 def reweighed(cloud: Cloud, l: Floats) -> tuple[Cloud, Floats]:
@@ -72,16 +72,21 @@ def moments(values: Floats, w: Floats, floor: Any = 0.0) -> tuple[Floats, Floats
 
 
 def resampled(
-    cloud: Cloud, resampler: Resampler, generator: np.random.Generator, wanted: Mask | bool = True, n: int = 0
+    cloud: Cloud,
+    resampler: Resampler,
+    generator: np.random.Generator,
+    wanted: Mask | bool = True,
+    n: int = 0,
+    w: Floats | None = None,
 ) -> Resampled:
     """n equal particles (0: as many as there are) where `wanted` (...), the cloud as it is elsewhere.
 
-    A number that differs must be wanted by all.
+    A number that differs must be wanted by all. w: the weights, where they are at hand.
     """
     P = cloud.log_w.shape[-1]
     if not np.any(wanted):
         return Resampled(cloud, None)
-    parents = resampler(cloud.w, n or P, generator)
+    parents = resampler(cloud.w if w is None else w, n or P, generator)
     if np.all(wanted):
         return Resampled(equal(taken(cloud.s, parents)), parents)
     parents = np.where(np.asarray(wanted)[..., None], parents, np.arange(P))

@@ -20,7 +20,9 @@ BELOW_ONE = 1.0 - 2.0**-30  # a place in a cumulative sum that is still below on
 
 def systematic(w: Floats, n: int, generator: np.random.Generator) -> Indices:
     """One draw for all: the teeth of a comb. Copies of j are the floor or the ceiling of n w_j, or one off that."""
-    return _located(w, (np.arange(n) + generator.random((*w.shape[:-1], 1))) / n)
+    teeth = np.arange(n) + generator.random((*w.shape[:-1], 1))
+    teeth /= n
+    return _located(w, teeth)
 
 
 def stratified(w: Floats, n: int, generator: np.random.Generator) -> Indices:

@@ -86,22 +86,22 @@ class BodyLikelihood:
         shape = (*np.broadcast_shapes(s.shape[:-2], z.shape[:-1]), len(nodes), s.shape[-1])
         lg_d2 = self._log_squared_distances(nodes, s, shape)
         scale = np.where(heard, 1.0 / (math.sqrt(2.0) * sigma), 0.0)
-        rest = np.where(heard, z, 0.0)[..., None]
+        rest = (np.where(heard, z, 0.0) * scale)[..., None]
         if excess is not None:
-            rest = np.subtract(rest, excess, out=self._work.of('rest', shape))
+            off = np.multiply(excess, scale[..., None], out=self._work.of('rest', shape))
+            rest = np.subtract(rest, off, out=off)
         if kind == 'single':
-            log_p = self._log_kernel(curves.single, lg_d2, rest, scale, self._work.of('l', shape))
+            e = self._energy(curves.single, lg_d2, rest, scale, self._work.of('e', shape))
+            return self._of_energy(e, sigma, heard, w)
+        los = self._energy(curves.los, lg_d2, rest, scale, self._work.of('e', shape))
+        nlos = self._energy(curves.nlos, lg_d2, rest, scale, self._work.of('n', shape))
+        if kind == 'soft':
+            return self._mixed(los, nlos, self._behind(nodes, s, lg_d2), sigma, heard, w)
+        if kind == 'direction':
+            np.copyto(los, nlos, where=self._towards(nodes, s, shape) <= 0.0)
         else:
-            los = self._log_kernel(curves.los, lg_d2, rest, scale, self._work.of('l', shape))
-            nlos = self._log_kernel(curves.nlos, lg_d2, rest, scale, self._work.of('n', shape))
-            if kind == 'soft':
-                return self._mixed(los, nlos, self._behind(nodes, s, lg_d2), sigma, heard, w)
-            if kind == 'direction':
-                log_p = los
-                np.copyto(los, nlos, where=self._towards(nodes, s, shape) <= 0.0)
-            else:
-                log_p = np.maximum(los, nlos, out=los)
-        return self._of_logs(log_p, sigma, heard, w)
+            np.minimum(los, nlos, out=los)
+        return self._of_energy(los, sigma, heard, w)
 
     # ---- geometry
 
@@ -138,21 +138,23 @@ class BodyLikelihood:
         np.divide(1.0 - 2.0 * self.kernel.least, p, out=p)
         return np.add(p, self.kernel.least, out=p)
 
-    # ---- densities, without their constant 1 / (s sqrt(2 pi)) or that of Student's
+    # ---- energies: minus the log of a density, without its constant 1 / (s sqrt(2 pi)) or that of Student's
 
-    def _log_kernel(self, curve: Any, lg_d2: Floats, rest: Floats, scale: Floats, out: Floats) -> Floats:
-        """log of the density of a residual about a curve but for its constant; 0 where scale (..., N) is."""
-        slope = _column(np.asarray(curve.k) * LG_SQUARED * scale)
-        np.multiply(lg_d2, slope, out=out)
-        level = _column(np.broadcast_to(np.asarray(curve.p_ref), scale.shape) * scale)
-        np.subtract(rest * _column(scale) - level, out, out=out)
-        np.square(out, out=out)  # e^2 / (2 s^2)
+    def _energy(self, curve: Any, lg_d2: Floats, rest: Floats, scale: Floats, out: Floats) -> Floats:
+        """Of the residual about a curve; rest: what was read, times `scale` (..., N): 1 / (s sqrt 2), 0 if nothing."""
+        np.multiply(lg_d2, _column(curve.k * LG_SQUARED * scale), out=out)
+        level = _column(curve.p_ref * scale)
+        if rest.shape[-1] == 1:  # the same at every particle
+            np.subtract(rest - level, out, out=out)
+        else:
+            np.subtract(rest, np.add(out, level, out=out), out=out)
+        np.square(out, out=out)
         dof = self.kernel.dof
         if not dof:
-            return np.negative(out, out=out)
+            return out
         np.multiply(out, 2.0 / dof, out=out)
         np.log1p(out, out=out)
-        return np.multiply(out, -0.5 * (dof + 1.0), out=out)
+        return np.multiply(out, 0.5 * (dof + 1.0), out=out)
 
     def _log_constant(self, sigma: Floats) -> Floats:
         """log of that constant."""
@@ -162,32 +164,34 @@ class BodyLikelihood:
         student = math.lgamma(0.5 * (dof + 1.0)) - math.lgamma(0.5 * dof) - 0.5 * math.log(dof * math.pi)
         return student - np.log(sigma)
 
-    # ---- from densities to the score
+    # ---- from energies to the score
 
-    def _of_logs(self, log_p: Floats, sigma: Floats, heard: Any, w: Floats | None) -> Scored:
-        """Of one log density a node and particle."""
+    def _of_energy(self, e: Floats, sigma: Floats, heard: Any, w: Floats | None) -> Scored:
+        """Of one density a node and particle."""
         if self.kernel.outlier:
-            return self._of_products(np.exp(log_p, out=log_p), sigma, heard, w)
+            return self._of_products(np.exp(np.negative(e, out=e), out=e), sigma, heard, w)
         constant = np.where(heard, self._log_constant(sigma), 0.0)
-        l = log_p.sum(axis=-2) + constant.sum(axis=-1)[..., None]
+        l = constant.sum(axis=-1)[..., None] - e.sum(axis=-2)
         if w is None:
             return Scored(l, None)
-        top = log_p.max(axis=-1, keepdims=True)
-        np.exp(np.subtract(log_p, top, out=log_p), out=log_p)
-        return Scored(l, _log(_weighed(log_p, w)) + top[..., 0] + constant)
+        least = e.min(axis=-1, keepdims=True)
+        np.exp(np.subtract(least, e, out=e), out=e)
+        return Scored(l, _log(_weighed(e, w)) - least[..., 0] + constant)
 
     def _mixed(self, los: Floats, nlos: Floats, p: Floats, sigma: Floats, heard: Any, w: Floats | None) -> Scored:
         """Of both densities, the second with probability p."""
+        f, g = np.negative(los, out=los), np.negative(nlos, out=nlos)
         if self.kernel.outlier:
-            f, g = np.exp(los, out=los), np.exp(nlos, out=nlos)
+            np.exp(f, out=f)
+            np.exp(g, out=g)
             np.subtract(g, f, out=g)
             np.multiply(g, p, out=g)
             return self._of_products(np.add(f, g, out=f), sigma, heard, w)
-        np.add(nlos, np.log(p), out=nlos)
-        np.add(los, np.log1p(-p), out=los)
-        log_p = np.logaddexp(los, nlos, out=los)
-        np.copyto(log_p, 0.0, where=~heard[..., None])
-        return self._of_logs(log_p, sigma, heard, w)
+        np.add(g, np.log(p), out=g)
+        np.add(f, np.log1p(-p), out=f)
+        e = np.negative(np.logaddexp(f, g, out=f), out=f)
+        np.copyto(e, 0.0, where=~heard[..., None])
+        return self._of_energy(e, sigma, heard, w)
 
     def _of_products(self, f: Floats, sigma: Floats, heard: Any, w: Floats | None) -> Scored:
         """Of densities with the outliers' share below them: their product needs no logarithm a node.

@@ -1,7 +1,8 @@
 """How a person may have moved since the last epoch: three transition models of particles (seed 003, section 3.2).
 
-Particles are columns, states are rows: position, walking direction, speed, how far the body is turned away from that
-direction, and whether the person walks at all. Rows behind these are the caller's own and are kept.
+Particles are columns, states are rows: position, velocity, walking direction and speed (which are kept while he
+pauses), how far the body is turned away from that direction, and whether he walks at all. Rows behind these are the
+caller's own and are kept.
 """
 
 from __future__ import annotations
@@ -14,9 +15,11 @@ import numpy as np
 
 from wsn_tracking.models.anchors import Floats, Mask
 
-X, Y, PSI, SPEED, YAW, WALKING = range(6)
-STATES = 6
+X, Y, VX, VY, PSI, SPEED, YAW, WALKING = range(8)
+STATES = 8
+PLANAR = slice(VY + 1)  # what an estimate tells
 TURN = 2.0 * math.pi
+LEAST_TIME = 0.1  # [s]
 
 Transition = Callable[[Floats, float, np.random.Generator], Floats]
 Inside = Callable[[Floats], Mask]  # points (..., 2) [m] -> whether a person can be there
@@ -29,9 +32,10 @@ class Disc(NamedTuple):
 
 
 class RandomWalk(NamedTuple):
-    """A step of N(0, std^2 dt) per axis; the direction is that of the step."""
+    """A step of N(0, std^2 dt) per axis."""
 
     std: float = 0.6  # [m / sqrt s]
+    faces: bool = True  # the direction is that of the step; else nobody asks for it
 
 
 class Walk(NamedTuple):
@@ -58,9 +62,8 @@ def disc(model: Disc) -> Transition:
         new, shape = s.copy(), s[..., X, :].shape
         r = model.v_max * dt * np.sqrt(generator.random(shape))
         angle = TURN * generator.random(shape)
-        new[..., X, :] += r * np.cos(angle)
-        new[..., Y, :] += r * np.sin(angle)
-        new[..., PSI, :], new[..., SPEED, :] = angle, r / dt
+        new[..., PSI, :] = angle
+        _step(new, r * np.cos(angle), r * np.sin(angle), dt)
         return new
 
     return moved
@@ -73,10 +76,10 @@ def random_walk(model: RandomWalk) -> Transition:
         if dt <= 0.0:
             return s
         new = s.copy()
-        step = model.std * math.sqrt(dt) * generator.standard_normal(s[..., : Y + 1, :].shape)
-        new[..., : Y + 1, :] += step
-        new[..., PSI, :] = np.arctan2(step[..., Y, :], step[..., X, :])
-        new[..., SPEED, :] = np.hypot(step[..., X, :], step[..., Y, :]) / dt
+        step = (model.std * math.sqrt(dt)) * generator.standard_normal((*s.shape[:-2], 2, s.shape[-1]))
+        _step(new, step[..., 0, :], step[..., 1, :], dt)
+        if model.faces:
+            new[..., PSI, :] = np.arctan2(step[..., 1, :], step[..., 0, :])
         return new
 
     return moved
@@ -103,13 +106,23 @@ def walk(model: Walk) -> Transition:
         v = within(v, model.v_min, model.v_max)
         a = math.exp(-dt / model.yaw_s)
         new[..., YAW, :] = a * s[..., YAW, :] + model.yaw_std * math.sqrt(1.0 - a * a) * normal[..., 2, :]
-        way = (v * dt) * walks
-        new[..., X, :] += way * np.cos(psi) + (model.position_std * root) * normal[..., 3, :]
-        new[..., Y, :] += way * np.sin(psi) + (model.position_std * root) * normal[..., 4, :]
+        way = v * walks
+        v_x, v_y = way * np.cos(psi), way * np.sin(psi)
+        new[..., X, :] += v_x * dt + (model.position_std * root) * normal[..., 3, :]
+        new[..., Y, :] += v_y * dt + (model.position_std * root) * normal[..., 4, :]
+        new[..., VX, :], new[..., VY, :] = v_x, v_y
         new[..., PSI, :], new[..., SPEED, :], new[..., WALKING, :] = psi, v, walks
         return new
 
     return moved
+
+
+def _step(s: Floats, step_x: Floats, step_y: Floats, dt: float) -> None:
+    """Take a step in place; the velocity is that over LEAST_TIME at least: a diffusion has none at an instant."""
+    s[..., X, :] += step_x
+    s[..., Y, :] += step_y
+    np.divide(step_x, max(dt, LEAST_TIME), out=s[..., VX, :])
+    np.divide(step_y, max(dt, LEAST_TIME), out=s[..., VY, :])
 
 
 def within(v: Floats, low: float, high: float) -> Floats:
@@ -129,37 +142,24 @@ def drawn(model: Walk, places: Floats, generator: np.random.Generator) -> Floats
     s[..., SPEED, :] = model.v_min + (model.v_max - model.v_min) * uniform[..., 1, :]
     s[..., YAW, :] = model.yaw_std * generator.standard_normal(uniform[..., 0, :].shape)
     s[..., WALKING, :] = uniform[..., 2, :] < model.walk_s / (model.walk_s + model.pause_s)
+    v = s[..., SPEED, :] * s[..., WALKING, :]
+    s[..., VX, :], s[..., VY, :] = v * np.cos(s[..., PSI, :]), v * np.sin(s[..., PSI, :])
     return s
 
 
-def velocities(s: Floats) -> Floats:
-    """Position and velocity (..., 4, P) [m, m/s] of particles (..., S, P)."""
-    v = s[..., SPEED, :] * s[..., WALKING, :]
-    x = np.empty((*s.shape[:-2], 4, s.shape[-1]))
-    x[..., :2, :] = s[..., : Y + 1, :]
-    x[..., 2, :] = v * np.cos(s[..., PSI, :])
-    x[..., 3, :] = v * np.sin(s[..., PSI, :])
-    return x
-
-
-def kept(before: Floats, after: Floats, inside: Inside, generator: np.random.Generator) -> Floats:
-    """Particles that have left where a person can be stay where they were, and look for another direction."""
-    out = ~inside(np.stack([after[..., X, :], after[..., Y, :]], axis=-1))
+def kept(before: Floats, after: Floats, out: Mask, generator: np.random.Generator) -> Floats:
+    """Particles that are where nobody can be (..., P) stay where they were, and look for another direction."""
     if not out.any():
         return after
     after = after.copy()
-    for row in (X, Y):
+    for row in (X, Y):  # the velocity, too, is that of another direction: it is known again after the next step
         np.copyto(after[..., row, :], before[..., row, :], where=out)
     np.copyto(after[..., PSI, :], TURN * generator.random(out.shape), where=out)
     return after
 
 
-def rectangle(area: tuple[float, float, float, float]) -> Inside:
-    """The area x_min, y_min, x_max, y_max [m]."""
-    x_min, y_min, x_max, y_max = area
-
-    def inside(points: Floats) -> Mask:
-        x, y = points[..., 0], points[..., 1]
-        return np.asarray((x >= x_min) & (x <= x_max) & (y >= y_min) & (y <= y_max))
-
-    return inside
+def beyond(s: Floats, area: tuple[float, float, float, float], inside: Inside | None = None) -> Mask:
+    """Which particles (..., S, P) are outside the area x_min, y_min, x_max, y_max [m], or not inside."""
+    x, y = s[..., X, :], s[..., Y, :]
+    out = (x < area[0]) | (x > area[2]) | (y < area[1]) | (y > area[3])
+    return out if inside is None else out | ~inside(np.stack([x, y], axis=-1))

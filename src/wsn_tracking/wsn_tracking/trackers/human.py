@@ -13,8 +13,9 @@ from wsn_tracking.filters.ancestry import Ancestry
 from wsn_tracking.filters.particle import moments
 from wsn_tracking.filters.start import Area, area_of
 from wsn_tracking.models.anchors import Anchors, Floats
+from wsn_tracking.models.body_likelihood import Readings
 from wsn_tracking.models.draws import Stream
-from wsn_tracking.models.walk import PSI, YAW, Inside, velocities
+from wsn_tracking.models.walk import PLANAR, PSI, YAW, Inside
 from wsn_tracking.sensing.values import Epoch
 from wsn_tracking.trackers.estimate import Estimate, Kind
 from wsn_tracking.trackers.human_config import HumanConfig
@@ -59,7 +60,7 @@ class HumanTracker:
         self._stamp_ns: int | None = None
         self._begun_ns: int | None = None  # stamp of the epoch that time in `_past` is counted from
         self._heard = False
-        self._last: Step | None = None
+        self._last: tuple[Step, Readings] | None = None
         self._past.clear()
 
     def step(self, epoch: Epoch) -> tuple[Estimate, ...]:
@@ -73,7 +74,7 @@ class HumanTracker:
             generator, dt = self._draws.at(epoch.request_seq), 0.0
         step = self._filter.step(self._track, dt, readings, generator)
         self.counters['reset'] += int(step.reset)
-        self._track, self._last = step.track, step
+        self._track, self._last = step.track, (step, readings)
         self._stamp_ns = max(epoch.stamp_ns, self._stamp_ns or epoch.stamp_ns)
         self._heard = self._heard or bool(ids)
         kind = Kind.LOCAL if self._heard else Kind.START
@@ -94,7 +95,7 @@ class HumanTracker:
         if self._begun_ns is None:
             self._begun_ns = now.stamp_ns
         time = ((self._stamp_ns or now.stamp_ns) - self._begun_ns) * 1e-9
-        self._past.add(time, velocities(step.cloud.s), step.parents)
+        self._past.add(time, step.cloud.s[PLANAR], step.parents)
         then = time - self.config.lag
         mean, covariance = moments(self._past.at(then), step.cloud.w, FLOOR)
         kind = Kind.SMOOTHED if self._heard and self._past.before(then) else Kind.START
@@ -104,21 +105,22 @@ class HumanTracker:
     @property
     def particles(self) -> Particles:
         """The particles of the last estimate."""
-        cloud = self._track.cloud if self._last is None else self._last.cloud
+        cloud = self._track.cloud if self._last is None else self._last[0].cloud
         return Particles(np.ascontiguousarray(cloud.s[:2].T), cloud.w)
 
     def state(self) -> Mapping[str, Any]:
         """What the last epoch tells beside the estimate, for diagnostics."""
-        last = self._last
-        if last is None:
+        if self._last is None:
             return {'particles': self.config.particles, 'n_eff': float(self.config.particles), 'reset': False}
+        last, readings = self._last
+        by_node = self._filter.evidence_by_node(last.prior, readings)
         facing = last.cloud.s[PSI] + last.cloud.s[YAW]
         c, s = (float(f(facing) @ last.cloud.w) for f in (np.cos, np.sin))
         return {
             'particles': last.cloud.log_w.size,
             'n_eff': float(last.n_eff),
             'log_evidence': float(last.evidence),
-            'evidence': dict(zip(self.anchors.ids.tolist(), last.by_node.tolist(), strict=True)),
+            'evidence': dict(zip(self.anchors.ids.tolist(), by_node.tolist(), strict=True)),
             'reset': bool(last.reset),
             'heading': math.atan2(s, c),
             'heading_known': math.hypot(c, s),  # 0: any direction, 1: this one

@@ -275,7 +275,7 @@ def transition_of(config: HumanConfig) -> walk.Transition:
     if config.motion_kind == 'disc':
         return walk.disc(walk.Disc(config.v_max))
     if config.motion_kind == 'random_walk':
-        return walk.random_walk(walk.RandomWalk(config.motion.step))
+        return walk.random_walk(walk.RandomWalk(config.motion.step, config.kernel.kind in ('soft', 'direction')))
     return walk.walk(walk_of(config))
 
 

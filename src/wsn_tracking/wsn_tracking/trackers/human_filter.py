@@ -14,12 +14,12 @@ from wsn_tracking.filters.particle import Cloud, descended, equal, moments, resa
 from wsn_tracking.filters.resampling import RESAMPLERS, Indices
 from wsn_tracking.models.anchors import Anchors, Floats, Mask
 from wsn_tracking.models.body_likelihood import BodyLikelihood, Readings, Scored
-from wsn_tracking.models.walk import Inside, drawn, kept, rectangle, velocities
+from wsn_tracking.models.walk import PLANAR, Inside, beyond, drawn, kept
 from wsn_tracking.trackers.human_config import HumanConfig, kld_of, transition_of, walk_of
 
 LONGEST_STEP = 1.0  # [s] of one transition of a walk
 FLOOR = 1e-3  # [m, m/s] least standard deviation that is told
-NEVER_HEARD = -1
+NOBODY = np.zeros((), dtype=np.bool_)
 
 Area = tuple[float, float, float, float]
 Excess = Callable[[Floats], Floats]  # particles (..., S, P) -> (..., N, P) [dB] beyond the curves
@@ -38,12 +38,12 @@ class Step(NamedTuple):
     """One epoch."""
 
     track: Track  # resampled, for the next epoch
+    prior: Cloud  # predicted, before what was heard
     cloud: Cloud  # as the estimate saw it
     parents: Indices | None  # (..., P) of these particles in the cloud of the epoch before
     mean: Floats  # (..., 4) position and velocity
     covariance: Floats  # (..., 4, 4)
     evidence: Floats  # (...) log p(z_t | z_1:t-1) [dB^-N]
-    by_node: Floats  # (..., N) the same of each node; 0 where it was not heard
     n_eff: Floats  # (...)
     reset: Mask  # (...) whether the particles were drawn anew
 
@@ -70,7 +70,6 @@ class HumanFilter:
         self._walk = walk_of(config)
         self._transition = transition_of(config)
         self._longest = LONGEST_STEP if config.motion_kind == 'walk' else math.inf
-        self._within = rectangle(area)
         self._inside = inside
         self._excess = excess
         self._resample = RESAMPLERS[config.resampling.kind]
@@ -86,21 +85,27 @@ class HumanFilter:
         heard = ~np.isnan(readings.z)
         any_heard = heard.any(axis=-1)
         s = self._moved(track.cloud.s, dt, generator)
-        scored = self.score(s, readings, track.cloud.w)
-        cloud, evidence = reweighed(Cloud(s, track.cloud.log_w), scored.l)
-        assert scored.by_node is not None
+        prior = Cloud(s, track.cloud.log_w)
+        scored = self.score(s, readings, prior.w if self.config.reset_epochs else None)
+        cloud, evidence = reweighed(prior, scored.l)
         strikes, lost = self._struck(track, readings, scored.by_node, heard)
         anew = (lost | ~track.started) & any_heard
         parents = track.parents
         if np.any(anew):
             cloud, parents = self._placed(cloud, parents, anew, readings, generator)
         w = cloud.w
-        mean, covariance = moments(velocities(cloud.s), w, FLOOR)
+        mean, covariance = moments(cloud.s[..., PLANAR, :], w, FLOOR)
         n_eff = worth(w)
-        after = self._next(cloud, n_eff, generator)
+        after = self._next(cloud, w, n_eff, generator)
         following = Track(after[0], track.started | any_heard, np.where(anew, 0, strikes), after[1])
         reset = anew & track.started
-        return Step(following, cloud, parents, mean, covariance, evidence, scored.by_node, n_eff, reset)
+        return Step(following, prior, cloud, parents, mean, covariance, evidence, n_eff, reset)
+
+    def evidence_by_node(self, prior: Cloud, readings: Readings) -> Floats:
+        """log p(z_i | z_1:t-1) (..., N) of each node; 0 where nothing was heard."""
+        by_node = self.score(prior.s, readings, prior.w).by_node
+        assert by_node is not None
+        return by_node
 
     def score(self, s: Floats, readings: Readings, w: Floats | None = None) -> Scored:
         """Log-likelihood of an epoch at particles (..., S, P)."""
@@ -111,18 +116,17 @@ class HumanFilter:
             return s
         steps = max(math.ceil(dt / self._longest), 1)
         for _ in range(steps):
-            s = self._kept(s, self._transition(s, dt / steps, generator), generator)
+            after = self._transition(s, dt / steps, generator)
+            s = kept(s, after, beyond(after, self.area, self._inside), generator)
         return s
 
-    def _kept(self, before: Floats, after: Floats, generator: np.random.Generator) -> Floats:
-        after = kept(before, after, self._within, generator)
-        return after if self._inside is None else kept(before, after, self._inside, generator)
-
-    def _struck(self, track: Track, readings: Readings, by_node: Floats, heard: Mask) -> tuple[NDArray[np.int64], Mask]:
+    def _struck(
+        self, track: Track, readings: Readings, by_node: Floats | None, heard: Mask
+    ) -> tuple[NDArray[np.int64], Mask]:
         """How often in a row the median node has contradicted the particles, and where that is too often."""
         start = self.config.start
-        if not self.config.reset_epochs:
-            return track.strikes, np.zeros_like(track.started)
+        if by_node is None:
+            return track.strikes, NOBODY
         surprise = np.where(heard, -by_node - np.log(readings.sigma), np.nan)
         counts = heard.sum(axis=-1) >= start.reset_nodes
         median = _median(surprise)
@@ -161,17 +165,19 @@ class HumanFilter:
             s, log_w = equal(new)
         return Cloud(s, log_w), descended(parents, came_from)
 
-    def _next(self, cloud: Cloud, n_eff: Floats, generator: np.random.Generator) -> tuple[Cloud, Indices | None]:
+    def _next(
+        self, cloud: Cloud, w: Floats, n_eff: Floats, generator: np.random.Generator
+    ) -> tuple[Cloud, Indices | None]:
         """Resampled where too few particles count."""
         r = self.config.resampling
         P = cloud.log_w.shape[-1]
         low = n_eff < r.threshold * P
         n = P
         if self._kld is not None and cloud.log_w.ndim == 1:
-            n = enough(self._kld, taken(cloud.s[:2], self._resample(cloud.w, P, generator)))
+            n = enough(self._kld, taken(cloud.s[:2], self._resample(w, P, generator)))
             low = low | (abs(n - P) > 0.1 * P)
             n = n if low else P
-        after = resampled(cloud, self._resample, generator, ~low if r.inverted else low, n)
+        after = resampled(cloud, self._resample, generator, ~low if r.inverted else low, n, w)
         return after.cloud, after.parents
 
 
