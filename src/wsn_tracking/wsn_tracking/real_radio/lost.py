@@ -19,7 +19,7 @@ from wsn_tracking.real_radio.tables import Result, figures
 from wsn_tracking.trackers.loss_tolerant import LossTolerantTracker
 from wsn_tracking.trackers.loss_tolerant_config import LossTolerantConfig
 
-CONFIGURATION = 'loss_lias'
+CONFIGURATION = 'loss_tolerant_lias'
 SEEDS = (1, 2, 3, 4, 5)  # of the losses
 KINDS = {'rounds': Loss(whole_round=True), 'bursts_of_20': Loss(burst=20.0)}
 FILTERS = ('ckf', 'ekf', 'ukf', 'hold')
