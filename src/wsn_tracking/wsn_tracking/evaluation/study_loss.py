@@ -16,6 +16,7 @@ from wsn_tracking.trackers.loss_tolerant_config import LossTolerantConfig
 Result = dict[str, Any]
 FILTERS = ('ckf', 'ekf', 'ukf', 'hold')
 RATES = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9)
+BURST = 10.0  # [epochs] mean length of a loss
 LOST = 30.0  # [m] an estimate further off has lost its target: anchors are 27 m apart
 
 
@@ -27,7 +28,7 @@ def loss_rate(runs: int = 1000, seed: int = 1, rates: tuple[float, ...] = RATES)
 
 
 def loss_kind(runs: int = 1000, seed: int = 1, rates: tuple[float, ...] = (0.3, 0.5, 0.7, 0.8)) -> Result:
-    """The median run where losses come in bursts of 5 epochs or take whole rounds, and the share of lost tracks.
+    """The median run where losses come in bursts of 10 epochs or take whole rounds, and the share of lost tracks.
 
     Where whole rounds are lost, the few tracks that lose their target may end anywhere: a mean says nothing.
     """
@@ -36,9 +37,9 @@ def loss_kind(runs: int = 1000, seed: int = 1, rates: tuple[float, ...] = (0.3, 
     for p in rates:
         kinds = {
             'independent': Loss(p),
-            'bursts': Loss(p, 5.0),
+            'bursts': Loss(p, BURST),
             'rounds': Loss(p, whole_round=True),
-            'rounds_in_bursts': Loss(p, 5.0, whole_round=True),
+            'rounds_in_bursts': Loss(p, BURST, whole_round=True),
         }
         table[f'loss_{p:g}'] = {name: _typical(worlds, loss) for name, loss in kinds.items()}
     return {'runs': runs, 'seed': seed, 'by_rate_and_kind': table}
