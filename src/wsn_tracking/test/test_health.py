@@ -43,3 +43,10 @@ def test_worst_condition_is_told():
     error, warning, fine = (health.Health(level, str(level)) for level in (ERROR, WARN, OK))
     assert health.worst(fine, error, warning) == error
     assert health.worst(fine, warning) == warning
+
+
+def test_radios_that_mislead_warn_and_say_how():
+    assert health.radio((), '') == health.Health(OK, '')
+    both = health.radio({7, 3}, 'set lqi_scale to cc26x2')
+    assert both == health.Health(WARN, 'two radios bear the id of nodes [3, 7]; LQI: set lqi_scale to cc26x2')
+    assert health.radio((), 'no known scale fits').level == health.radio({3}, '').level == WARN

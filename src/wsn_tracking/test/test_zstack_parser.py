@@ -8,7 +8,7 @@ from zstack_cases import BYTES, is_subsequence, line_bytes, message, parse, prop
 
 from wsn_tracking.zstack.commands import decode
 from wsn_tracking.zstack.frames import encode_frame, fcs
-from wsn_tracking.zstack.parser import Parser
+from wsn_tracking.zstack.parser import GAP_S, Parser
 
 STREAM = b''.join(BYTES.values())
 FRAMES = [frame for data in BYTES.values() for frame in parse(data)]
@@ -37,6 +37,19 @@ def test_frames_do_not_depend_on_how_the_stream_is_split(cuts):
         frames += parser.feed(STREAM[a:b], 0.0)
     assert frames == FRAMES
     assert parser.held == 0
+
+
+@properties
+@given(st.lists(st.one_of(garbage, st.sampled_from([*BYTES.values(), *REPORTS])), max_size=12), st.data())
+def test_any_stream_gives_the_same_frames_however_it_is_split(pieces, data):
+    """Broken frames, noise and sound frames: what is found, and what is counted, is a matter of the bytes alone."""
+    stream = b''.join(pieces)
+    cuts = data.draw(st.lists(st.integers(0, len(stream)), max_size=30))
+    whole, split, frames = Parser(), Parser(), []
+    for a, b in pairwise([0, *sorted(cuts), len(stream)]):
+        frames += split.feed(stream[a:b], 0.0)
+    assert [*frames, *split.flush()] == [*whole.feed(stream, 0.0), *whole.flush()]
+    assert split.counters == whole.counters
 
 
 def test_frames_come_byte_by_byte():
@@ -73,6 +86,19 @@ def test_single_corrupted_byte_loses_at_most_its_frame(pieces):
     for at, stream in corruptions(b''.join(pieces)):
         others = [frame for i, frame in enumerate(frames) if i != owner[at]]
         assert is_subsequence(others, parse(stream)), f'byte {at}'
+
+
+def test_every_corruption_of_every_byte_of_a_report_loses_that_report_alone():
+    """All 255 of each byte; the reports behind it are there at once, or when the line has paused for a gap."""
+    sound = [parse(data)[0] for data in REPORTS[:4]]
+    before, struck, *behind = REPORTS[:4]
+    for at in range(len(struck)):
+        for value in set(range(256)) - {struck[at]}:
+            parser = Parser()
+            stream = before + struck[:at] + bytes((value,)) + struck[at + 1 :] + b''.join(behind)
+            found = [*parser.feed(stream, 0.0), *parser.feed(b'', 1.01 * GAP_S)]
+            assert found[:1] + found[-2:] == [sound[0], *sound[2:]], (at, value)
+            assert len(found) <= 4, (at, value)
 
 
 @pytest.mark.parametrize('length', range(256))

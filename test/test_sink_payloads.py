@@ -1,0 +1,211 @@
+"""Every type of payload, up and down, through a simulated sink on a pseudo terminal and serial_bridge_node."""
+
+from __future__ import annotations
+
+import contextlib
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+from diagnostic_msgs.msg import DiagnosticArray
+from sink_cases import epochs
+from std_msgs.msg import String
+from wsn_tracking_msgs import msg
+
+import live
+from observer import observing
+from radio import LIVE, PATIENCE, QUIET, Radio
+from wsn_tracking.configuration import SerialBridgeConfig
+from wsn_tracking.graphs import Process
+from wsn_tracking.nodes import convert, qos
+from wsn_tracking.nodes.health import WARN
+from wsn_tracking.parameters import specs
+from wsn_tracking.sensing.values import Modality, Reason
+from wsn_tracking.zstack.records import FeedbackRecord, SensingRecord
+from wsn_tracking.zstack.traffic import AirEpoch, Reading
+
+KNOWN = {spec.name for spec in specs(SerialBridgeConfig)}
+
+
+class Bridge:
+    """A bridge that is attached to a simulated sink, and an observer of what it publishes."""
+
+    def __init__(self, radio, observer):
+        self.radio = radio
+        self.observer = observer
+        self.taken = {
+            topic: observer.collect(kind, topic, profile)
+            for topic, kind, profile in (
+                ('request', msg.LocationRequest, qos.MEASUREMENTS),
+                ('rssi', msg.RssiMeasurement, qos.MEASUREMENTS),
+                ('range', msg.RangeMeasurement, qos.MEASUREMENTS),
+                ('epoch_end', msg.EpochEnd, qos.MEASUREMENTS),
+                ('trigger_report', msg.TriggerReport, qos.MEASUREMENTS),
+                ('topology', msg.Topology, qos.LATCHED_LAST),
+                ('link_status', msg.LinkStatus, qos.LATCHED_LAST),
+            )
+        }
+        self.ready = observer.collect(String, 'ready', qos.LATCHED)
+
+    def until(self, condition, what):
+        self.observer.until(condition, PATIENCE, what)
+
+    def come(self, topic, count):
+        """The messages of a topic, when there are so many."""
+        messages = self.taken[topic]
+        self.until(lambda: len(messages) >= count, f'{count} on {topic}')
+        return messages
+
+    def tell(self, kind, topic):
+        """Publishes on a topic that the bridge listens to."""
+        publisher = self.observer.node.create_publisher(kind, topic, qos.ESTIMATES)
+        self.until(lambda: publisher.get_subscription_count() == 1, f'the bridge takes {topic}')
+        return publisher.publish
+
+    def told(self, count):
+        """What the sink sent to the nodes."""
+        self.until(lambda: len(self.radio.simulator.told) >= count, f'{count} messages to nodes')
+        return list(self.radio.simulator.told)
+
+
+@pytest.fixture
+def bridged(tmp_path):
+    """Starts a sink with a world behind it and a bridge; the world begins when the bridge is ready."""
+    with contextlib.ExitStack() as stack:
+
+        def start(world, settings=(), **config):
+            link = tmp_path / 'sink'
+            environment = stack.enter_context(live.private_domain())
+            observer = stack.enter_context(observing(environment))
+            radio = Radio(link, world, **config)
+            stack.enter_context(radio.running())
+            bridge = Bridge(radio, observer)
+            values = {name: value for name, value in LIVE.items() if name in KNOWN}
+            topics = [f'{topic}=1' for topic in ('request', 'rssi', 'range', 'epoch_end', 'trigger_report')]
+            given = {
+                **values,
+                'epoch_timeout': 1.0,
+                'port': str(link),
+                'expected_subscribers': topics,
+                **dict(settings),
+            }
+            stack.enter_context(live.started([Process('serial_bridge_node', 'bridge', given)], environment))
+            bridge.until(lambda: bridge.ready, 'the bridge is ready')
+            radio.may_begin.set()
+            return bridge
+
+        yield start
+
+
+def test_signal_strengths_become_measurements(bridged):
+    """Type 1, of two robots."""
+    world = sorted([*epochs(3, robot=1), *epochs(3, robot=2)], key=lambda e: e.time_s)
+    bridge = bridged(world, rate=20.0)
+    heard = [convert.rssi_value(m) for m in bridge.come('rssi', 24)]
+    assert sorted((m.node_id, m.target_id, m.request_seq, m.rssi_dbm) for m in heard) == sorted(
+        (r.node_id, e.robot_id, e.request_seq, math.floor(r.rssi_dbm + 0.5)) for e in world for r in e.readings
+    )
+    ends = [convert.epoch_end_value(m) for m in bridge.come('epoch_end', 6)]
+    assert sorted((e.target_id, e.request_seq) for e in ends) == [(t, k) for t in (1, 2) for k in range(3)]
+    assert len(bridge.come('request', 6)) == 6
+
+
+def test_heartbeats_tell_of_radios(bridged):
+    """Type 2: nodes that measure nothing are in the topology all the same."""
+    traffic = dataclasses.replace(QUIET, heartbeat=0.05)
+    silent = [AirEpoch(0.1 * k, 1, k, (Reading(1, rssi_dbm=math.nan),)) for k in range(5)]
+    bridge = bridged(
+        [AirEpoch(0.0, 1, 0, (Reading(1, rssi_dbm=-50.0), Reading(7, rssi_dbm=-60.0))), *silent[1:]], traffic=traffic
+    )
+    bridge.until(lambda: bridge.taken['topology'] and {1, 7} <= set(bridge.taken['topology'][-1].node_ids), 'both')
+    kinds = {said.payload.type for said in bridge.radio.said}
+    assert 2 in kinds
+    table = bridge.taken['topology'][-1]
+    assert len(table.short_addresses) == len(table.lqi) == len(table.age)
+    assert min(table.age) >= 0.0
+
+
+def test_ranges_become_measurements(bridged):
+    """Type 3, in millimetres, of the modality that the bridge is told."""
+    world = [AirEpoch(float(k), 2, k, (Reading(5, range_m=1.2344 + k, sigma=0.0121),)) for k in range(3)]
+    bridge = bridged(world, {'range_modality': int(Modality.UWB)}, rate=20.0)
+    heard = [convert.range_value(m) for m in bridge.come('range', 3)]
+    assert [(m.node_id, m.target_id, m.request_seq, m.modality) for m in heard] == [(5, 2, k, 2) for k in range(3)]
+    assert [m.range for m in heard] == pytest.approx([1.234, 2.234, 3.234])
+    assert [m.variance for m in heard] == pytest.approx([0.012**2] * 3)
+    assert {m.topic for m in bridge.come('epoch_end', 3)} == {'range'}
+
+
+def test_worn_node_is_the_target(bridged):
+    """Type 4, several frames a period: the person bears the node, the references are the nodes."""
+    world = epochs(3, nodes=14, robot=77)
+    bridge = bridged(world, traffic=dataclasses.replace(QUIET, payload='worn'), rate=20.0)
+    heard = bridge.come('rssi', 42)
+    assert {m.target_id for m in heard} == {77}
+    assert sorted((m.node_id, m.request_seq) for m in heard) == [(n, k) for n in range(1, 15) for k in range(3)]
+    assert sorted(bridge.come('epoch_end', 3)[0].node_ids) == list(range(1, 15))
+
+
+def test_estimates_are_fed_back_to_the_robots(bridged):
+    """Type 5, in cm and units of 2 cm/s."""
+    bridge = bridged([], {'feedback': True})
+    tell = bridge.tell(msg.TargetEstimate, 'feedback')
+    m = msg.TargetEstimate(target_id=9, source='fused_1', state_names=['x', 'y', 'vx', 'vy'], kind=1)
+    m.mean, m.covariance, m.contributors = [1.234, -0.567, 0.061, -0.04], np.eye(4).ravel().tolist(), [1]
+    bridge.until(lambda: bridge.taken['link_status'] and bridge.taken['link_status'][-1].connected, 'the link')
+    tell(m)
+    (told,) = bridge.told(1)
+    assert told.dst == 0xFFFF
+    assert told.record == FeedbackRecord(9, 1.23, -0.57, pytest.approx(0.06), pytest.approx(-0.04))
+
+
+def changing(first, count, second=-60.0):
+    """Node 1 changes by 1 dB each time."""
+    return [
+        AirEpoch(0.1 * k, 1, k, (Reading(1, rssi_dbm=-50.0 - k), Reading(2, rssi_dbm=second)))
+        for k in range(first, first + count)
+    ]
+
+
+def test_commands_set_the_trigger_on_board_and_send_nodes_to_rest(bridged):
+    """Type 6: nodes that do not send until they are told; one that is silent is reported, one at rest says nothing."""
+    traffic = dataclasses.replace(QUIET, event_triggered=True, e_min=90.0, e_max=99.0)
+    bridge = bridged(changing(0, 3), {'sensing_command': True}, traffic=traffic)
+    radio = bridge.radio
+    tell = bridge.tell(msg.SensingCommand, 'sensing_command')
+    bridge.until(lambda: radio.loop.finished, 'the first part')
+    assert radio.said == []
+    tell(msg.SensingCommand(node_id=1, active=True, y_min=-90, e_min=0.1, e_max=2.5))
+    bridge.told(1)
+    radio.do(lambda s, now: s.go_on(changing(3, 3), now))
+    assert [(m.node_id, m.rssi_dbm) for m in bridge.come('rssi', 3)] == [(1, -53.0), (1, -54.0), (1, -55.0)]
+    reports = [convert.report_value(m) for m in bridge.come('trigger_report', 3)]
+    assert [(r.sent_ids, r.silent_ids) for r in reports] == [((1,), ())] * 3
+
+    tell(msg.SensingCommand(node_id=2, active=True, y_min=-90, e_min=0.1, e_max=2.5))
+    bridge.told(2)
+    radio.do(lambda s, now: s.go_on(changing(6, 1, -61.0), now))
+    assert convert.report_value(bridge.come('trigger_report', 4)[-1]).sent_ids == (1, 2)
+    radio.do(lambda s, now: s.go_on(changing(7, 1, -30.0), now))  # a change that is noise to node 2
+    silent = convert.report_value(bridge.come('trigger_report', 5)[-1])
+    assert (silent.sent_ids, silent.silent_ids, silent.reasons) == ((1,), (2,), (Reason.ON_BOARD,))
+
+    tell(msg.SensingCommand(node_id=1, active=False, y_min=-90, e_min=0.1, e_max=2.5))
+    assert bridge.told(3)[-1].record == SensingRecord(1, 0, -90, pytest.approx(0.1), pytest.approx(2.5))
+    before = len(radio.said)
+    radio.do(lambda s, now: s.go_on(changing(8, 2), now))
+    bridge.until(lambda: radio.loop.finished, 'the last part')
+    assert 1 not in {said.payload.node_id for said in radio.said[before:]}
+
+
+def test_what_misleads_without_any_other_sign_is_warned_of(bridged):
+    """Two radios of one id; LQIs that no radio of the configured scale gives."""
+    bridge = bridged(epochs(20, nodes=12), faults=('two_addresses=1',), lqi_scale='cc26x2', rate=20.0)
+    arrays = bridge.observer.collect(DiagnosticArray, '/diagnostics', 10)
+
+    def said():
+        statuses = [status for array in arrays for status in array.status]
+        return [status.message for status in statuses if status.level == WARN]
+
+    bridge.until(lambda: any('two radios bear the id' in m and 'set lqi_scale to cc26x2' in m for m in said()), 'both')
