@@ -6,8 +6,19 @@ import numpy as np
 import pytest
 
 from wsn_tracking.errors import TrackingError
-from wsn_tracking.evaluation import study, study_loss, study_process_noise, study_random_q, study_triggers
+from wsn_tracking.evaluation import monte_carlo as mc
+from wsn_tracking.evaluation import (
+    study,
+    study_loss,
+    study_process_noise,
+    study_random_q,
+    study_triggers,
+    study_whole_db,
+)
 from wsn_tracking.evaluation.intervals import change_of, mean_of, ratio_of
+from wsn_tracking.models.radio import rssi_at
+from wsn_tracking.sensing import trigger
+from wsn_tracking.simulation.scenarios import scenario
 
 
 def test_intervals_hold_the_truth_as_often_as_they_say():
@@ -56,6 +67,25 @@ def test_every_study_of_system_e_runs_and_is_plain_json():
     }
     assert set(results) == set(study.STUDIES['loss_tolerant'])
     assert results == json.loads(json.dumps(results, allow_nan=False))
+
+
+def test_whole_db_is_plain_json_and_the_trigger_sees_only_what_is_rounded_before_it():
+    told = study_whole_db.whole_db(runs=4, paths=2)
+    assert told == json.loads(json.dumps(told, allow_nan=False))
+    event = told['a_loop']['event']
+    assert event['behind']['sent_a_run'] == event['exact']['sent_a_run']
+    assert event['behind']['ei_cm_document'] != event['exact']['ei_cm_document']
+    assert event['before']['sent_a_run'] != event['exact']['sent_a_run']
+
+
+def test_whole_db_moves_a_signal_by_at_most_half_a_db():
+    s = scenario('a_loop')
+    sensed = mc.sense(s, mc.repeated(s, 2), trigger.near(-46.9), np.random.default_rng(1))
+    rounded = study_whole_db.told_in_whole_db(s, sensed)
+    before, after = rssi_at(s.anchors, sensed.z), rssi_at(s.anchors, rounded.z)
+    np.testing.assert_array_equal(np.isnan(before), np.isnan(after))
+    assert 0.4 < np.nanmax(np.abs(after - before)) <= 0.5 + 1e-9
+    np.testing.assert_allclose(after, np.round(after), atol=1e-9)
 
 
 def counted():

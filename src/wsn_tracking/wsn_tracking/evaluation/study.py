@@ -15,7 +15,14 @@ from pathlib import Path
 from typing import Any
 
 from wsn_tracking.errors import TrackingError
-from wsn_tracking.evaluation import study_human, study_loss, study_process_noise, study_random_q, study_triggers
+from wsn_tracking.evaluation import (
+    study_human,
+    study_loss,
+    study_process_noise,
+    study_random_q,
+    study_triggers,
+    study_whole_db,
+)
 from wsn_tracking.files import write_whole
 
 COMMAND = 'python -m wsn_tracking.evaluation.study -o docs/results'
@@ -30,6 +37,7 @@ STUDIES: Mapping[str, Mapping[str, Study]] = {  # file: its studies
         'fusion_rules': study_process_noise.fusion_rules,
         'data_rate': study_triggers.data_rate,
     },
+    'whole_db': {'whole_db': study_whole_db.whole_db},
     'human': {
         'profiles': study_human.profiles,
         'circle': study_human.circle,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,6 +18,7 @@ from wsn_tracking.simulation.scenarios import BY_SEED, scenario
 from wsn_tracking.trackers.random_q_config import NoiseConfig, RandomQConfig, UpdateConfig
 
 Result = dict[str, Any]
+Radio = Callable[[Scenario, mc.Sensed], mc.Sensed]  # what is sent -> what arrives
 NEAR = {'a_loop': -46.9, 'a_circle': -44.5, 'a_heading': -47.8}  # [dBm] where `near` sends as much as `event`
 KINDS = ('event', 'near', 'random', 'always')
 DOCUMENT = identity_noise(6.0, 8.0)
@@ -52,10 +54,15 @@ def triggers_of(s: Scenario, share: float) -> dict[str, trigger.Trigger]:
     }
 
 
-def compare(s: Scenario, states: Floats, step: trigger.Trigger, seed: int) -> Compared:
+def unchanged(s: Scenario, sensed: mc.Sensed) -> mc.Sensed:
+    """A radio that tells what was measured."""
+    return sensed
+
+
+def compare(s: Scenario, states: Floats, step: trigger.Trigger, seed: int, radio: Radio = unchanged) -> Compared:
     """Both estimators over what a trigger sends; equal seeds have equal noise, starts and draws."""
     generator = np.random.default_rng(seed)
-    sensed = mc.sense(s, states, step, generator)
+    sensed = radio(s, mc.sense(s, states, step, generator))
     start = mc.start_near(states, generator)
     uniform = generator.random((len(states), ESTIMATORS, states.shape[1]))
     fused = mc.fuse(mc.track(s, sensed, start, DOCUMENT, uniform), 'trace')
