@@ -8,7 +8,7 @@ from wsn_tracking.errors import TrackingError
 from wsn_tracking.models import measurement
 from wsn_tracking.models.anchors import Anchors, check, make_anchors
 from wsn_tracking.models.draws import Stream, keyed
-from wsn_tracking.models.motion import constant_velocity
+from wsn_tracking.models.motion import constant_velocity, forgetful_velocity
 from wsn_tracking.models.noise import scaled_identity, white_acceleration
 from wsn_tracking.models.radio import MIN_RANGE, range_at, relative_range_std, rssi_at
 
@@ -44,6 +44,35 @@ def test_two_steps_are_one_long_step(S, T1, T2):
     np.testing.assert_allclose(constant_velocity(T1 + T2), F2 @ F1, rtol=1e-12)
     whole = covariance_of(white_acceleration(S, T1 + T2))
     np.testing.assert_allclose(whole, F2 @ Q1 @ F2.T + Q2, rtol=1e-10, atol=1e-15)
+
+
+@pytest.mark.parametrize(('T', 'tau'), [(0.01, 5.0), (0.5, 5.0), (3.0, 2.0), (30.0, 7.0)])
+def test_noise_of_a_velocity_that_is_forgotten_is_the_integral_over_the_step(T, tau):
+    """Van Loan again, of a velocity that is forgotten."""
+    expm = pytest.importorskip('scipy.linalg').expm
+    S, A = 0.3, np.kron([[0.0, 1.0], [0.0, -1.0 / tau]], np.eye(2))
+    block = expm(np.block([[-A, np.diag([0.0, 0.0, S, S])], [np.zeros((4, 4)), A.T]]) * T)
+    F = block[4:, 4:].T
+    transition, root = forgetful_velocity(S, T, tau)
+    np.testing.assert_allclose(transition, F, rtol=1e-12, atol=1e-12)
+    np.testing.assert_array_equal(root, np.tril(root))
+    np.testing.assert_allclose(covariance_of(root), F @ block[:4, 4:], rtol=1e-8, atol=1e-12)
+
+
+@properties
+@given(densities, steps, steps)
+def test_two_steps_of_a_velocity_that_is_forgotten_are_one_long_step(S, T1, T2):
+    (F1, L1), (F2, L2), (F, L) = (forgetful_velocity(S, T, 3.0) for T in (T1, T2, T1 + T2))
+    np.testing.assert_allclose(F, F2 @ F1, rtol=1e-12, atol=1e-15)
+    both = F2 @ covariance_of(L1) @ F2.T + covariance_of(L2)
+    np.testing.assert_allclose(covariance_of(L), both, rtol=1e-5, atol=1e-12)
+
+
+@pytest.mark.parametrize('T', [1e-9, 1e-4, 0.5, 3.0])
+def test_a_velocity_that_is_hardly_forgotten_is_constant(T):
+    F, root = forgetful_velocity(0.3, T, 1e5)
+    np.testing.assert_allclose(F, constant_velocity(T), rtol=1e-4)
+    np.testing.assert_allclose(covariance_of(root), covariance_of(white_acceleration(0.3, T)), rtol=1e-3)
 
 
 def test_noise_roots_are_lower_triangular_and_batched():

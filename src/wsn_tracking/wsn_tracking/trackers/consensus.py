@@ -29,10 +29,8 @@ from wsn_tracking.models import arrival as chain
 from wsn_tracking.models.anchors import Floats, Mask
 from wsn_tracking.models.graph import adjacency, reached
 from wsn_tracking.models.links import is_cut, lost
-from wsn_tracking.models.motion import constant_velocity
-from wsn_tracking.models.noise import white_acceleration
 from wsn_tracking.models.range_bearing import range_bearing_function
-from wsn_tracking.trackers.consensus_config import ConsensusConfig, arrival_of, loss_model_of, prior_of
+from wsn_tracking.trackers.consensus_config import ConsensusConfig, arrival_of, loss_model_of, motion_of, prior_of
 
 
 class Nodes(NamedTuple):
@@ -68,7 +66,7 @@ def local_step(
     """
     pi_1 = mu
     if dt > 0.0:
-        belief = srckf.predict(belief, constant_velocity(dt), white_acceleration(config.spectral_density, dt))
+        belief = srckf.predict(belief, *motion_of(config, dt))
         pi_1 = chain.predicted(arrival_of(config), mu)
     h = range_bearing_function(positions, belief.m, config.target_height)
     own: Contribution = contribute(belief, h, z, R, pi_1, loss, config.observation.printed_form)

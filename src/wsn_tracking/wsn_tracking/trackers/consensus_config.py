@@ -12,6 +12,7 @@ from wsn_tracking.filters.belief import Belief
 from wsn_tracking.models.anchors import Floats
 from wsn_tracking.models.arrival import Arrival
 from wsn_tracking.models.links import Links
+from wsn_tracking.models.motion import forgetful_velocity
 from wsn_tracking.parameters import group, param
 
 
@@ -77,6 +78,9 @@ class ConsensusConfig:
     radius: float = param(100.0, 'nodes nearer than this are neighbours', 'm', 1e-3, 1e6)
     silent_epochs: int = param(3, 'a neighbour not heard for so many epochs is no longer counted', '', 1, 1000)
     spectral_density: float = param(1.0, 'q_w: of the white acceleration', 'm^2/s^3', 1e-12, 1e6)
+    velocity_time: float = param(
+        0.0, 'a velocity is forgotten with this time constant; 0: never (the document)', 's', 0.0, 1e6
+    )
     target_height: float = param(0.0, 'height at which the target moves', 'm', -1e4, 1e4)
     arrival: ArrivalConfig = group(ArrivalConfig)
     observation: ObservationConfig = group(ObservationConfig)
@@ -104,6 +108,11 @@ def loss_model_of(config: ConsensusConfig) -> information.LossModel:
     if config.arrival.loss == 'uniform':
         return information.uniform(config.arrival.r_max)
     return {'zero': information.zero, 'absent': information.absent}[config.arrival.loss]
+
+
+def motion_of(config: ConsensusConfig, dt: float) -> tuple[Floats, Floats]:
+    """Transition matrix and root of the process noise over dt [s], (4, 4) each."""
+    return forgetful_velocity(config.spectral_density, dt, config.velocity_time)
 
 
 def prior_of(config: ConsensusConfig) -> Belief:

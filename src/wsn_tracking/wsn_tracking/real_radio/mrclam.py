@@ -1,0 +1,95 @@
+"""System B on MRCLAM (docs/datasets.md): landmarks are nodes, each robot a run, judged at regular instants.
+
+    python -m wsn_tracking.real_radio.mrclam DATA -o docs/results
+
+DATA holds the recordings, each in a folder of its own. Every node is judged; the figures are of the worst.
+"""
+
+from __future__ import annotations
+
+import argparse
+import functools
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from wsn_tracking import graphs
+from wsn_tracking.bags.epochs import with_epoch_ends
+from wsn_tracking.bags.importing import mrclam as importing
+from wsn_tracking.configuration import ConsensusNodeConfig
+from wsn_tracking.errors import TrackingError
+from wsn_tracking.evaluation import study
+from wsn_tracking.evaluation.intermittent import FOUND_WITHIN_S, at_instants, found_again, heard_of
+from wsn_tracking.evaluation.run import Run
+from wsn_tracking.graphs_consensus import ConsensusPlan
+from wsn_tracking.models.graph import adjacency, diameter, is_connected
+from wsn_tracking.offline import offline
+from wsn_tracking.parameters import build
+from wsn_tracking.real_radio.sets import Set, find
+from wsn_tracking.sensing.recording import Recording
+
+COMMAND = 'python -m wsn_tracking.real_radio.mrclam DATA -o docs/results'
+CONFIGURATION = 'consensus_mrclam'
+MRCLAM = Set('mrclam', 'Landmark_Groundtruth.dat')
+
+
+def open_mrclam(data: Path) -> tuple[graphs.Source, Recording]:
+    """The set below a folder, as its bag would be."""
+    recording = with_epoch_ends(importing.load(find(data, MRCLAM)))
+    return graphs.source_of(MRCLAM.kind, recording), recording
+
+
+def judge(run: Run, recording: Recording, target_id: int) -> dict[str, float]:
+    """Median error, and the median of those 10 s after a robot could be found, of the worst node [m]."""
+    heard, truth = heard_of(recording, target_id), recording.truth[target_id]
+    medians, found = [], []
+    for estimates in run.estimates.values():
+        instants = at_instants(estimates, truth, heard)
+        medians.append(instants.median_m)
+        found.append(found_again(instants, heard).median_after(FOUND_WITHIN_S))
+    return {'median_m': max(medians), 'found_median_m': max(found), 'best_median_m': min(medians)}
+
+
+def robots(source: graphs.Source, recording: Recording) -> dict[str, Any]:
+    """Every robot: median errors at 10 Hz instants with a range in the last 2 s, and 10 s after it could be found."""
+    plan = graphs.plan_of(source, recording, configuration=CONFIGURATION)
+    assert isinstance(plan, ConsensusPlan)  # of a configuration of system B
+    config = build(ConsensusNodeConfig, plan.values)
+    graph = adjacency(recording.anchors.positions, config.radius)
+    rows = {
+        str(robot): judge(offline(source, recording, CONFIGURATION, target_id=robot), recording, robot)
+        for robot in sorted(recording.truth)
+    }
+    return {
+        'robots': rows,
+        'mean_of_medians_m': float(np.mean([row['median_m'] for row in rows.values()])),
+        'graph': {
+            'radius_m': config.radius,
+            'connected': bool(is_connected(graph)),
+            'diameter': int(diameter(graph)),
+            'neighbours': float(graph.sum(axis=-1).mean()),
+        },
+    }
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Entry point; the exit status."""
+    parser = argparse.ArgumentParser(prog='wsn_tracking.real_radio.mrclam', description='System B on MRCLAM.')
+    parser.add_argument('data', type=Path, metavar='DATA', help='folder of the recordings (docs/datasets.md)')
+    parser.add_argument('-o', '--output', type=Path, required=True, metavar='DIR', help='folder of the results')
+    options = parser.parse_args(arguments)
+    try:
+        table = functools.wraps(robots)(functools.partial(robots, *open_mrclam(options.data)))
+        (path,) = study.run(options.output, (), {'consensus_mrclam': {'robots': table}}, command=COMMAND)
+        print(path)
+    except TrackingError as error:
+        print(f'mrclam: {error}', file=sys.stderr)
+        return 1
+    return 0
+
+
+if __name__ == '__main__':
+    sys.exit(main())
