@@ -101,6 +101,7 @@ def test_rounds_end_in_time_live_and_wait_in_replay():
         ('range', {'configuration': 'consensus'}, '', '', ['consensus']),
         ('range', {'configuration': 'loss_tolerant_lias'}, '', '', ['loss_tolerant']),
         ('range', {'configuration': 'random_q'}, '', 'mine/consensus.yaml', ['consensus']),
+        ('range', {'configuration': 'mrclam'}, '', 'consensus_mrclam', ['consensus']),
         ('range', {'configuration': 'random_q'}, 'consensus', '', ['consensus']),
         ('observation', {'configuration': 'consensus'}, 'random_q', '', ['random_q']),
         ('rssi', {}, 'loss_tolerant,random_q', '', ['loss_tolerant', 'random_q']),
