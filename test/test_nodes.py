@@ -64,6 +64,8 @@ def test_node_starts_on_defaults_and_ends_with_0_when_asked(name, number, tmp_pa
         ('estimator_node', 'noise.q_min:=9.0', ['noise.q_max', 'below']),
         ('estimator_node', 'area:=[1.0, 1.0, 0.0, 2.0]', ['area', 'min < max']),
         ('world_node', 'scenario:=nowhere', ['nowhere', 'a_loop']),
+        ('world_node', "settings:=['nodes=20']", ['`a_loop` has no parameter `nodes`']),
+        ('world_node', "settings:=['faults']", ["'faults'", 'expected name=value']),
         ('bag_player_node', 'bag:=no/such/bag', ['no/such/bag']),
         ('bag_player_node', 'rate:=-1.0', ['rate', '-1.0', '>= 0']),
         ('evaluator_node', 'expected_subscribers:=[range]', ['expected_subscribers', 'topic=count']),

@@ -140,7 +140,8 @@ def test_the_command_line_takes_parameters(tmp_path, capsys):
     for arguments, words in {
         ('--set', 'epochs'): 'expected name=value',
         ('--set', 'epochs=0'): 'expected an integer >= 1',
-        ('--set', 'epochs=4', '--live'): '--live takes no --set',
+        ('--set', 'epochs=4', '--set', 'epochs=5'): '`epochs` is set twice',
+        ('--set', 'dead=[7', '--live'): 'no readable YAML',
     }.items():
         code, (_, err) = call('other', *arguments)
         assert (code, err.count('\n')) == (1, 1)

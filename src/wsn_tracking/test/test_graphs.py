@@ -356,6 +356,17 @@ def test_a_simulation_sends_a_world_into_the_same_graph(tmp_path):
     assert 'bag_recorder' not in by_name(graphs.simulation('a_loop'))
 
 
+def test_a_simulation_takes_parameters_of_its_world_and_of_its_nodes():
+    told = ['faults=clutter', 'dead=[7, 9]', 'dead_from=2', 'epochs=3', 'nodes=12', 'width=150.0', 'depth=150.0']
+    processes = by_name(graphs.simulation('b_field', 2, scenario_settings=told, settings={'link.loss': 0.3}))
+    assert processes['world'].parameters['settings'] == told
+    nodes = [p for p in processes.values() if p.executable == 'consensus_node']
+    assert sorted(i for p in nodes for i in p.parameters['ids']) == list(range(1, 13))
+    assert {p.parameters['link.loss'] for p in nodes} == {0.3}
+    with pytest.raises(TrackingError, match='expected one of zero, clutter, absent'):
+        graphs.simulation('b_field', scenario_settings=['faults=never'])
+
+
 def test_a_section_of_no_node_is_refused_with_the_nearest_name(tmp_path):
     path = tmp_path / 'misspelt.yaml'
     path.write_text('/**:\n  ros__parameters: {seed: 1}\n/**/estimater_1:\n  ros__parameters: {nodes: [1]}\n')

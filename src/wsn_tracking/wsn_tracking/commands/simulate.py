@@ -5,13 +5,12 @@ from __future__ import annotations
 import argparse
 import tempfile
 from pathlib import Path
-from typing import Any
 
 from wsn_tracking import graphs
 from wsn_tracking.commands.base import Commands, add_command, seed
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.simulation.record import START_NS, record
-from wsn_tracking.simulation.scenarios import SCENARIOS, scenario
+from wsn_tracking.simulation.scenarios import SCENARIOS, scenario, settings_of
 
 
 def add(commands: Commands) -> None:
@@ -39,26 +38,14 @@ def _do(options: argparse.Namespace) -> int:
     if Path(options.output).exists():
         raise TrackingError(f'{options.output} exists: name another folder or remove it')
     if options.live:
-        if options.set:
-            raise TrackingError('--live takes no --set: record with one or the other')
         return _live(options)
     from wsn_tracking.bags.save import save
 
-    simulated = scenario(options.scenario, dict(map(_setting, options.set)), options.seed)
+    simulated = scenario(options.scenario, settings_of(options.set), options.seed)
     recording = record(simulated, options.seed)
     save(options.output, recording)
     print(f'{options.output}: {options.scenario}, seed {options.seed}, {len(recording.messages)} messages')
     return 0
-
-
-def _setting(text: str) -> tuple[str, Any]:
-    """name=value; the value is YAML."""
-    from wsn_tracking.ros_yaml import parse
-
-    name, separator, value = text.partition('=')
-    if not separator:
-        raise TrackingError(f'setting {text!r}: expected name=value, e.g. faults=clutter')
-    return name, parse(value, f'setting {text!r}')
 
 
 def _live(options: argparse.Namespace) -> int:
@@ -69,7 +56,12 @@ def _live(options: argparse.Namespace) -> int:
     with tempfile.TemporaryDirectory(prefix='wsn_tracking_') as folder:
         raw = Path(folder, Path(options.output).name)
         processes = graphs.simulation(
-            options.scenario, options.seed, rate=0.0, start_stamp=START_NS * 1e-9, record=str(raw)
+            options.scenario,
+            options.seed,
+            scenario_settings=options.set,
+            rate=0.0,
+            start_stamp=START_NS * 1e-9,
+            record=str(raw),
         )
         code = run_graph(processes, ['evaluator', 'bag_recorder'])
         if code == 0:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 
 from wsn_tracking.configuration import load_configuration
@@ -13,7 +14,7 @@ from wsn_tracking.node_parameters.common import AssemblyConfig
 from wsn_tracking.node_parameters.serial import SerialBridgeConfig
 from wsn_tracking.parameters import Values, build
 from wsn_tracking.simulation.record import record as record_scenario
-from wsn_tracking.simulation.scenarios import scenario
+from wsn_tracking.simulation.scenarios import scenario, settings_of
 
 
 def replay(
@@ -63,6 +64,7 @@ def simulation(
     name: str,
     seed: int = 0,
     *,
+    scenario_settings: Sequence[str] = (),
     rate: float = 1.0,
     start_stamp: float = 0.0,
     trackers: str = '',
@@ -73,13 +75,17 @@ def simulation(
     one_process_each: bool = False,
     markers: bool = False,
 ) -> tuple[Process, ...]:
-    """A simulated world and the live graph of its systems; the world sends as slowly as the graph needs."""
-    recording = record_scenario(scenario(name, seed=seed), seed)
+    """A simulated world and the live graph of its systems; the world sends as slowly as the graph needs.
+
+    scenario_settings: name=value each, of the scenario; `settings` are parameters of the nodes.
+    """
+    recording = record_scenario(scenario(name, settings_of(scenario_settings), seed), seed)
     source = source_of(name, recording)
+    world = {'scenario': name, 'seed': seed, 'settings': list(scenario_settings) or ['']}
     return complete(
         source,
         plans_of(source, recording.anchors, trackers, configuration, settings),
-        Process('world_node', 'world', {'scenario': name, 'seed': seed, 'rate': rate, 'start_stamp': start_stamp}),
+        Process('world_node', 'world', {**world, 'rate': rate, 'start_stamp': start_stamp}),
         How(settings=settings or {}, one_process_each=one_process_each),
         evaluator=evaluator or {},
         record={'output': str(Path(record).resolve())} if record else None,

@@ -37,4 +37,7 @@ class WorldConfig(FeedConfig):
 
     scenario: str = param('a_loop', 'experiment to simulate')
     seed: int = param(0, 'of the radio noise, and of a walk that is drawn', '', 0)
+    settings: tuple[str, ...] = param(
+        ('',), 'parameters of the scenario, name=value each, e.g. faults=clutter (docs/consensus.md, `Faults`)'
+    )
     start_stamp: float = param(0.0, 'stamp of the first epoch since 1970; 0: now', 's', 0.0, 4e9)

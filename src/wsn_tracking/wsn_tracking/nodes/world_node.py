@@ -9,13 +9,13 @@ from wsn_tracking.nodes.base import run
 from wsn_tracking.nodes.feed import FeedNode
 from wsn_tracking.sensing.recording import Recording
 from wsn_tracking.simulation.record import record
-from wsn_tracking.simulation.scenarios import scenario
+from wsn_tracking.simulation.scenarios import scenario, settings_of
 
 
 def load(config: WorldConfig) -> Recording:
     """What the scenario's radios say, stamped from now on or from where `start_stamp` says."""
     start = config.start_stamp or time.time()
-    return record(scenario(config.scenario, seed=config.seed), config.seed, round(start * 1e9))
+    return record(scenario(config.scenario, settings_of(config.settings), config.seed), config.seed, round(start * 1e9))
 
 
 def main() -> None:

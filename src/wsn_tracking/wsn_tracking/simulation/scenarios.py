@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from functools import partial
 from typing import Any
 
@@ -43,6 +43,21 @@ PARAMETERS: Mapping[str, type[Any]] = {  # of those that have any
     'd_dropout': DropoutConfig,
     'e_loss': LossConfig,
 }
+
+
+def settings_of(entries: Iterable[str]) -> dict[str, Any]:
+    """Parameters of a scenario from name=value each, values in YAML; empty entries say nothing."""
+    from wsn_tracking.ros_yaml import parse  # where something is set
+
+    settings = {}
+    for entry in filter(None, entries):
+        name, separator, value = entry.partition('=')
+        if not separator:
+            raise TrackingError(f'setting {entry!r}: expected name=value, e.g. faults=clutter')
+        if name in settings:
+            raise TrackingError(f'setting {entry!r}: `{name}` is set twice')
+        settings[name] = parse(value, f'setting {entry!r}')
+    return settings
 
 
 def scenario(name: str, settings: Mapping[str, Any] | None = None, seed: int = 0) -> Scenario:
