@@ -1,6 +1,6 @@
 # Each target prepares what it needs by itself (see env).
 
-.PHONY: run test build study bench clean
+.PHONY: run test build study reproduce bench clean
 
 # make run BAG=path takes another bag.
 run:
@@ -19,6 +19,10 @@ study:
 	./env python -m wsn_tracking.evaluation.study -o docs/results
 	./env python -m wsn_tracking.live_study -o docs/results
 	./env python -m wsn_tracking.serial_study -o docs/results
+
+# make reproduce ARGS=--quick takes a tenth of the time. The report is reproduction/reproduction.html.
+reproduce:
+	./wsn-tracking reproduce $(ARGS)
 
 # make bench JSON=path writes the table for machines, too. A peer that cannot be installed is left out of it.
 bench:

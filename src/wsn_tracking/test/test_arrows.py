@@ -41,10 +41,20 @@ ROOMS = {
     'airwaves': ('graphs', 'zstack'),
     'live_study': ('offline', 'processes'),
     'serial_study': ('airwaves', 'processes'),
+    'reproduction': ('real_radio',),
     'benchmarks': ('offline', 'processes'),
     'documentation': ('node_parameters', 'bags'),
     'nodes': ('evaluation', 'bridging', 'airwaves', 'offline'),
-    'commands': ('evaluation', 'airwaves', 'offline', 'processes', 'surveys', 'documentation', 'benchmarks'),
+    'commands': (
+        'evaluation',
+        'airwaves',
+        'offline',
+        'processes',
+        'surveys',
+        'documentation',
+        'benchmarks',
+        'reproduction',
+    ),
     'cli': ('commands',),
 }
 # Single modules of a room that others may enter all the same, and why.
@@ -52,7 +62,7 @@ DOORS = {('bags', 'trackers.estimate')}  # an estimate is a value, which bags ho
 LAZY_DOORS = {('commands', 'nodes')}  # `watch` is a node; no other command may need ROS
 
 ROS = ('rclpy', 'rcl_interfaces', 'builtin_interfaces', 'tf2_ros', 'ament_index_python', 'rosidl_runtime_py')
-LAZY = {'scipy', 'matplotlib', 'stonesoup'}  # slow: never while a module is imported
+LAZY = {'scipy', 'matplotlib', 'stonesoup', 'joblib', 'distributed'}  # slow: never while a module is imported
 ONLY_IN = {'launch': 'launching', 'launch_ros': 'launching'}
 
 

@@ -17,13 +17,27 @@ from wsn_tracking.commands import (
     info,
     plot,
     replay,
+    reproduce,
     simulate,
     sink,
     watch,
 )
 from wsn_tracking.errors import TrackingError
 
-COMMANDS = (replay, evaluate, plot, watch, info, simulate, import_data, calibrate, degrade, sink, bench)
+COMMANDS = (
+    replay,
+    evaluate,
+    plot,
+    watch,
+    info,
+    simulate,
+    import_data,
+    calibrate,
+    degrade,
+    sink,
+    reproduce,
+    bench,
+)
 
 
 def main(arguments: Sequence[str] | None = None) -> None:

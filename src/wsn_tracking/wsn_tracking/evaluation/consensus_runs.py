@@ -5,6 +5,7 @@ Variants are compared over the same `Worlds`, so that their difference is theirs
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -15,7 +16,7 @@ from wsn_tracking.models.anchors import Floats, Mask
 from wsn_tracking.models.graph import adjacency, reached
 from wsn_tracking.simulation import b_field
 from wsn_tracking.simulation.b_field import FieldConfig
-from wsn_tracking.trackers.consensus import Network
+from wsn_tracking.trackers.consensus import Network, Nodes
 from wsn_tracking.trackers.consensus_config import ConsensusConfig
 
 SETTLED = 5  # epochs that are not scored
@@ -57,23 +58,31 @@ def some(worlds: Worlds, runs: Mask | slice) -> Worlds:
     return Worlds(worlds.positions[runs], worlds.states[runs], worlds.z[runs], worlds.arrived[runs], worlds.R)
 
 
-def track(config: ConsensusConfig, worlds: Worlds, alive: Mask | None = None, prior: Belief | None = None) -> Scores:
-    """Every node of every run through all epochs of T = 1 s; alive (K, N), by default all; prior (runs, N, 4)."""
+def steps(
+    config: ConsensusConfig, worlds: Worlds, alive: Mask | None = None, prior: Belief | None = None
+) -> Iterator[Nodes]:
+    """All nodes (runs, N) after each epoch of T = 1 s; alive (K, N), by default all; prior (runs, N, 4)."""
     runs, epochs = worlds.states.shape[:2]
     network = Network(config, worlds.positions, link_seeds=np.arange(runs))
     nodes = network.start(prior)
-    squares, normed, right = (np.empty(worlds.arrived.shape) for _ in range(3))
     for k in range(epochs):
         living = None if alive is None else np.broadcast_to(alive[k], nodes.mu.shape)
         z = worlds.z[:, k] if living is None else np.where(living[..., None], worlds.z[:, k], np.nan)
         nodes, _ = network.step(nodes, k, 1.0 if k else 0.0, z, worlds.R, living)
+        yield nodes
+
+
+def track(config: ConsensusConfig, worlds: Worlds, alive: Mask | None = None, prior: Belief | None = None) -> Scores:
+    """Every node of every run through all epochs, see `steps`, scored."""
+    squares, normed, right = (np.empty(worlds.arrived.shape) for _ in range(3))
+    for k, nodes in enumerate(steps(config, worlds, alive, prior)):
         e = nodes.belief.m - worlds.states[:, k, None]
         squares[:, k] = np.sum(e[..., :2] ** 2, axis=-1)
         normed[:, k] = nees(e, nodes.belief.P)
         right[:, k] = (nodes.mu > 0.5) == worlds.arrived[:, k]
-        if living is not None:
+        if alive is not None:
             for score in (squares, normed, right):
-                score[:, k][~living] = np.nan
+                score[:, k][~np.broadcast_to(alive[k], nodes.mu.shape)] = np.nan
     return Scores(squares, normed, right)
 
 

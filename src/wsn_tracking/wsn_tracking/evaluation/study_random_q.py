@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Mapping
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -10,6 +11,7 @@ from wsn_tracking.evaluation import monte_carlo as mc
 from wsn_tracking.evaluation.intervals import mean_of, ratio_of
 from wsn_tracking.evaluation.metrics import ei
 from wsn_tracking.evaluation.reference import posterior_means
+from wsn_tracking.models.anchors import Floats
 from wsn_tracking.models.measurement import range_function, relative_noise
 from wsn_tracking.models.motion import constant_velocity
 from wsn_tracking.models.noise import white_acceleration
@@ -83,9 +85,18 @@ def matched_model(
     return result
 
 
-def _matched(
+class Matched(NamedTuple):
+    """Runs whose model is exactly true, by form of the update."""
+
+    best: Floats  # (reference_runs,) mean squared position error of the particle filter [m^2]
+    squares: Mapping[str, Floats]  # (runs,) the same of each form
+    nees: Mapping[str, Floats]  # (runs,)
+
+
+def matched_runs(
     density: float, runs: int, epochs: int, reference_runs: int, particles: int, generator: np.random.Generator
-) -> Result:
+) -> Matched:
+    """Every form of the update on walks of that spectral density [m^2/s^3], and many particles on some of them."""
     L = scenario('a_loop')
     sensed = mc.sense(L, mc.walks_inside(L, density, epochs, runs, generator), trigger.always(), generator)
     start = mc.start_near(sensed.states, generator)
@@ -102,19 +113,25 @@ def _matched(
         generator,
     )
     best = np.mean(np.sum((means - sensed.states[some])[..., :2] ** 2, axis=-1), axis=-1)
-    rmse, of_best, nees, usual = {}, {}, {}, {}
+    squares, nees = {}, {}
     noise = NoiseConfig(kind='acceleration', q_min=7.0, q_max=7.0, spectral_density=density)
     for name, update in UPDATES.items():
         tracks = mc.track(L, sensed, start, RandomQConfig(noise=noise, update=update))
-        squares = np.mean(np.sum(mc.errors(tracks, sensed) ** 2, axis=-1), axis=(1, 2))
-        of_run = np.sort(np.mean(mc.position_nees(tracks, sensed), axis=(1, 2)))
-        rmse[name] = float(f'{100.0 * np.sqrt(np.mean(squares)):.5g}')
-        of_best[name] = ratio_of(squares[some], best, root=True)
-        nees[name] = mean_of(of_run)
-        usual[name] = mean_of(of_run[: runs - runs // 100])
+        squares[name] = np.mean(np.sum(mc.errors(tracks, sensed) ** 2, axis=-1), axis=(1, 2))
+        nees[name] = np.mean(mc.position_nees(tracks, sensed), axis=(1, 2))
+    return Matched(best, squares, nees)
+
+
+def _matched(
+    density: float, runs: int, epochs: int, reference_runs: int, particles: int, generator: np.random.Generator
+) -> Result:
+    m = matched_runs(density, runs, epochs, reference_runs, particles, generator)
+    usual = {name: np.sort(of_run)[: runs - runs // 100] for name, of_run in m.nees.items()}
     return {
-        'rmse_cm': rmse,
-        'rmse_of_the_particle_filters': of_best,
-        'position_nees': nees,
-        'position_nees_without_the_worst_hundredth': usual,
+        'rmse_cm': {name: float(f'{100.0 * np.sqrt(np.mean(squares)):.5g}') for name, squares in m.squares.items()},
+        'rmse_of_the_particle_filters': {
+            name: ratio_of(squares[:reference_runs], m.best, root=True) for name, squares in m.squares.items()
+        },
+        'position_nees': {name: mean_of(np.sort(of_run)) for name, of_run in m.nees.items()},
+        'position_nees_without_the_worst_hundredth': {name: mean_of(of_run) for name, of_run in usual.items()},
     }

@@ -34,6 +34,8 @@ class Compared(NamedTuple):
     sent: Floats  # (runs,) measurements
     document: Floats  # (runs,) EI [m] of three filters with q ~ U[6, 8], fused by CI
     iplf: Floats  # (runs,) EI [m] of one iterated filter with fixed white acceleration
+    document_nees: Floats  # (runs,) of the 2-D position: 2 is consistent
+    iplf_nees: Floats  # (runs,)
 
 
 def world(name: str, runs: int, paths: int) -> tuple[Scenario, Floats]:
@@ -71,6 +73,8 @@ def compare(s: Scenario, states: Floats, step: trigger.Trigger, seed: int, radio
         np.sum(~np.isnan(sensed.z), axis=(1, 2)).astype(np.float64),
         ei(mc.errors(fused, sensed))[:, 0],
         ei(mc.errors(one, sensed))[:, 0],
+        mc.position_nees(fused, sensed).mean(axis=(1, 2)),
+        mc.position_nees(one, sensed).mean(axis=(1, 2)),
     )
 
 

@@ -1,0 +1,183 @@
+"""From claims to the report: what is written follows from the JSON, and the JSON from the filters."""
+
+import json
+import re
+
+import numpy as np
+import pytest
+from reproduction_cases import SETTING, measured, small
+
+from wsn_tracking import cli
+from wsn_tracking.errors import TrackingError
+from wsn_tracking.filters import information, srckf
+from wsn_tracking.reproduction import content as contents
+from wsn_tracking.reproduction.catalogue import CLAIMS, DOCUMENTS, experiments_of, wanted
+from wsn_tracking.reproduction.content import content
+from wsn_tracking.reproduction.guide import ADVICE
+from wsn_tracking.reproduction.page import page
+from wsn_tracking.reproduction.reproduce import write
+from wsn_tracking.reproduction.verdicts import verdicts
+
+
+@pytest.fixture(scope='module')
+def found():
+    """One claim of a document that is reproduced, one that is not, one that cannot be, one beyond."""
+    return measured(['A1', 'B3', 'B4', 'B21'], 4)
+
+
+def badges(text):
+    """The verdict that a page shows for each claim."""
+    shown = re.findall(r'<section id="(\w+)"><h4>[^<]*<span class="v [\w-]+">([\w ]+)</span>', text)
+    return dict(shown)
+
+
+def test_the_report_shows_what_the_verdicts_of_its_json_are(found, tmp_path):
+    html, plain = write(tmp_path, found)
+    kept = json.loads(plain.read_text('utf-8'))
+    assert badges(html.read_text('utf-8')) == verdicts(kept) == kept['verdicts']
+    assert verdicts(kept)['B4'] == 'not reproducible'
+
+
+def test_a_changed_figure_changes_the_verdict_in_the_report(found):
+    changed = json.loads(json.dumps(found))
+    (b21,) = [claim for claim in changed['claims'] if claim['id'] == 'B21']
+    before = badges(page(changed))
+    b21['figures'][0]['interval_95'] = [1.2, 1.3]
+    after = badges(page(changed))
+    assert after.pop('B21') == 'does not hold'
+    assert after == {name: word for name, word in before.items() if name != 'B21'}
+
+
+def test_the_report_needs_nothing_from_elsewhere(found):
+    text = page(found)
+    assert 'http' not in re.sub(r'base64,[\w+/=]*', '', text)
+    assert set(re.findall(r'(?:src|href)="([^"]{1,5})', text)) <= {'data:', *(f'#{c.id}' for c in CLAIMS)}
+    assert text.count('<img') == sum(len(claim['plots']) for claim in found['claims']) > 0
+
+
+def test_the_json_is_the_same_again(found):
+    assert measured(['A1', 'B3', 'B4', 'B21'], 4) == found
+
+
+def test_a_claim_says_how_to_compute_it(found):
+    for claim in found['claims']:
+        assert claim['command'] == f'./wsn-tracking reproduce {claim["id"]} --seed 31 --quick'
+        assert claim['runs'] == 4
+
+
+def wrong_sign(monkeypatch):
+    """The filters of A step away from what they measure."""
+    right = srckf._condition
+
+    def wrong(prior, *rest):
+        posterior = right(prior, *rest)
+        return posterior._replace(m=2.0 * prior.m - posterior.m)
+
+    monkeypatch.setattr(srckf, '_condition', wrong)
+
+
+def test_with_the_sign_of_the_gain_changed_the_verdicts_of_a_fail(monkeypatch):
+    names = ['A1', 'A2', 'A3']
+    assert set(measured(names, 30)['verdicts'].values()) <= {'reproduced', 'in shape'}
+    wrong_sign(monkeypatch)
+    with np.errstate(all='ignore'):
+        assert set(measured(names, 30)['verdicts'].values()) == {'not reproduced'}
+
+
+def test_with_the_sign_of_the_innovation_changed_the_verdicts_of_b_fail(monkeypatch):
+    names = ['B1', 'B2']
+    assert set(measured(names, 10)['verdicts'].values()) == {'reproduced'}
+    right = information.innovation
+    monkeypatch.setattr(information, 'innovation', lambda z, z_hat: -right(z, z_hat))
+    assert set(measured(names, 10)['verdicts'].values()) == {'not reproduced'}
+
+
+# ---- the catalogue
+
+
+def test_every_claim_has_an_id_of_its_own_that_begins_with_its_document():
+    ids = [claim.id for claim in CLAIMS]
+    assert len(set(ids)) == len(ids)
+    assert all(claim.id[0] == claim.document for claim in CLAIMS)
+
+
+def test_experiments_of_one_name_are_one():
+    every = [claim.experiment for claim in CLAIMS if claim.experiment]
+    assert len({e.name for e in every}) == len(experiments_of(CLAIMS)) == len(set(every))
+    assert all(0 < e.quick <= e.units for e in every)
+
+
+def test_advice_rests_on_claims_that_exist():
+    assert {name for *_, names in ADVICE for name in names} <= {claim.id for claim in CLAIMS}
+
+
+def test_claims_are_found_by_document_and_by_id():
+    assert [c.id for c in wanted(['B4', 'A2'])] == ['A2', 'B4']
+    assert {c.document for c in wanted(['B'])} == {'B'}
+    assert wanted([]) == list(CLAIMS)
+    assert tuple(DOCUMENTS) == tuple(sorted(DOCUMENTS))
+    with pytest.raises(TrackingError, match='no claim or document `Z1`'):
+        wanted(['Z1'])
+
+
+def test_what_is_not_a_number_is_null_and_fails():
+    (claim,) = small(['B21'], 4)
+    given = {'quantity': np.array([1.0, np.inf, 2.0])}
+    from wsn_tracking.reproduction.quantities import curve, mean
+
+    odd = claim._replace(
+        figures=lambda s: [mean('odd', s['quantity'], shape=(0.0, 5.0))],
+        plots=lambda s: [contents.Plot('p', 'x', 'y', [curve('odd', [0.0], s['quantity'][:, None])])],
+    )
+    with np.errstate(invalid='ignore'):
+        made = content([odd], {claim.experiment.name: given}, SETTING)
+    json.dumps(made, allow_nan=False)
+    assert made['claims'][0]['figures'][0]['value'] is None
+    assert made['verdicts'] == {'B21': 'does not hold'}
+    assert 'svg' in page(made)
+
+
+def test_sources_outside_of_a_working_copy_have_no_commit(monkeypatch):
+    assert contents.commit()
+    monkeypatch.setenv('PATH', '')
+    assert contents.commit() == 'unknown'
+
+
+# ---- the command
+
+
+def run_cli(capsys, *arguments):
+    with pytest.raises(SystemExit) as ended:
+        cli.main(['reproduce', *arguments])
+    return ended.value.code, capsys.readouterr()
+
+
+def test_the_command_writes_both_files_and_tells_verdicts(tmp_path, capsys):
+    code, told = run_cli(capsys, 'B4', '--quick', '--jobs', '1', '-o', str(tmp_path / 'report'))
+    assert code == 0
+    assert 'B4   not reproducible' in told.out
+    kept = json.loads((tmp_path / 'report' / 'reproduction.json').read_text('utf-8'))
+    assert kept['command'] == './wsn-tracking reproduce B4 --quick --seed 7001'
+    assert kept['verdicts'] == {'B4': 'not reproducible'}
+    assert (tmp_path / 'report' / 'reproduction.html').stat().st_size > 1000
+
+
+@pytest.mark.parametrize(
+    ('arguments', 'code', 'words'),
+    [
+        (['Z'], 1, 'no claim or document'),
+        (['B4', '--jobs', '0'], 2, 'no number of workers'),
+        (['B4', '--jobs', 'two'], 2, 'no number of workers'),
+    ],
+)
+def test_a_wrong_call_is_one_line(capsys, tmp_path, arguments, code, words):
+    ended, told = run_cli(capsys, *arguments, '-o', str(tmp_path))
+    assert ended == code
+    assert words in told.err
+
+
+def test_a_file_is_no_folder_for_the_report(capsys, tmp_path):
+    (tmp_path / 'file').write_text('')
+    code, told = run_cli(capsys, 'B4', '-o', str(tmp_path / 'file'))
+    assert code == 1
+    assert 'is no folder' in told.err

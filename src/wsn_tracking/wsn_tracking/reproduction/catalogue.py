@@ -1,0 +1,30 @@
+"""All claims, and those that somebody asks for."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from wsn_tracking.errors import TrackingError
+from wsn_tracking.reproduction import document_a, document_b
+from wsn_tracking.reproduction.claims import Claim, Experiment
+
+CLAIMS: tuple[Claim, ...] = (*document_a.CLAIMS, *document_b.CLAIMS)
+DOCUMENTS = tuple(dict.fromkeys(claim.document for claim in CLAIMS))
+
+
+def wanted(names: Sequence[str], claims: Sequence[Claim] = CLAIMS) -> list[Claim]:
+    """The claims of these documents (`A`) or with these ids (`A3`); none: all."""
+    known = {*(claim.id for claim in claims), *(claim.document for claim in claims)}
+    for name in names:
+        if name not in known:
+            raise TrackingError(f'there is no claim or document `{name}`: expected A to E or one of {_told(claims)}')
+    return [claim for claim in claims if not names or claim.id in names or claim.document in names]
+
+
+def experiments_of(claims: Sequence[Claim]) -> list[Experiment]:
+    """What must be run for these claims, each once."""
+    return list({claim.experiment.name: claim.experiment for claim in claims if claim.experiment}.values())
+
+
+def _told(claims: Sequence[Claim]) -> str:
+    return ', '.join(claim.id for claim in claims)
