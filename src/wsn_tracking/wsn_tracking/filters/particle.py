@@ -5,10 +5,11 @@ States are the rows and particles the columns, so that each state of all particl
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
+from wsn_tracking.filters.linalg import identity, transpose
 from wsn_tracking.filters.resampling import Indices, Resampler
 from wsn_tracking.models.anchors import Floats, Mask
 
@@ -42,7 +43,9 @@ def log_sum(l: Floats) -> Floats:
     """log sum exp over the last axis, (..., P) -> (...); -inf where every term is."""
     top = l.max(axis=-1)
     known = np.isfinite(top)
-    total = np.exp(l - np.where(known, top, 0.0)[..., None]).sum(axis=-1)  # at least one
+    if known.all():
+        return np.asarray(np.log(np.exp(l - top[..., None]).sum(axis=-1)) + top)
+    total = np.exp(l - np.where(known, top, 0.0)[..., None]).sum(axis=-1)
     return np.asarray(np.where(known, np.log(np.maximum(total, 1.0)) + top, top))
 
 
@@ -55,20 +58,24 @@ def reweighed(cloud: Cloud, l: Floats) -> tuple[Cloud, Floats]:
     joint = cloud.log_w + l
     evidence = log_sum(joint)
     known = np.isfinite(evidence)
+    if known.all():
+        return Cloud(cloud.s, joint - evidence[..., None]), evidence
     log_w = np.where(known[..., None], joint - np.where(known, evidence, 0.0)[..., None], cloud.log_w)
     return Cloud(cloud.s, log_w), evidence
 
 
-def moments(values: Floats, w: Floats, floor: Any = 0.0) -> tuple[Floats, Floats]:
+def moments(values: Floats, w: Floats, floor: float = 0.0) -> tuple[Floats, Floats]:
     """Mean (..., K) and covariance (..., K, K) of values (..., K, P) with weights (..., P).
 
     floor^2 is added to the variances: what a cloud that has collapsed is not sure of all the same.
     """
     mean = (values @ w[..., None])[..., 0]
     d = values - mean[..., None]
-    P = (d * w[..., None, :]) @ d.swapaxes(-1, -2)
-    P = 0.5 * (P + P.swapaxes(-1, -2))
-    return mean, P + np.square(floor) * np.eye(P.shape[-1])
+    P = (d * w[..., None, :]) @ transpose(d)
+    P += transpose(P)
+    P *= 0.5
+    P += floor**2 * identity(P.shape[-1])
+    return mean, P
 
 
 def resampled(
@@ -83,14 +90,14 @@ def resampled(
 
     A number that differs must be wanted by all. w: the weights, where they are at hand.
     """
-    P = cloud.log_w.shape[-1]
-    if not np.any(wanted):
+    P, wanted = cloud.log_w.shape[-1], np.asarray(wanted)
+    if not wanted.any():
         return Resampled(cloud, None)
     parents = resampler(cloud.w if w is None else w, n or P, generator)
-    if np.all(wanted):
+    if wanted.all():
         return Resampled(equal(taken(cloud.s, parents)), parents)
-    parents = np.where(np.asarray(wanted)[..., None], parents, np.arange(P))
-    log_w = np.where(np.asarray(wanted)[..., None], -np.log(P), cloud.log_w)
+    parents = np.where(wanted[..., None], parents, np.arange(P))
+    log_w = np.where(wanted[..., None], -np.log(P), cloud.log_w)
     return Resampled(Cloud(taken(cloud.s, parents), log_w), parents)
 
 

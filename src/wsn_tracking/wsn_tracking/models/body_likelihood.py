@@ -46,17 +46,27 @@ class Scored(NamedTuple):
     by_node: Floats | None  # (..., N) log sum w p(z_i | particle); 0 where nothing was heard
 
 
+class Rows(NamedTuple):
+    """What belongs to each node."""
+
+    distance: Floats  # (N, 4): -2 A_x, -2 A_y, |A|^2, 1
+    direction: Floats  # (N, 3): A_x, A_y, 1
+
+
 class BodyLikelihood:
     """Of particles with the states of `models.walk`, by nodes at positions (N, 3) [m]."""
 
     def __init__(self, kernel: Kernel, positions: Floats, height: float = 0.0, least: float = LEAST_DISTANCE) -> None:
         self.kernel = kernel
         self.positions = positions
-        self._centre = positions[:, :2].mean(axis=0)
-        away = positions[:, :2] - self._centre  # products of coordinates cancel: they should be small
+        self._centre = positions[:, :2].mean(axis=0)[:, None]
+        away = positions[:, :2] - self._centre.T  # products of coordinates cancel: they should be small
         up = height - positions[:, 2]
-        # rows of [A_x, A_y, |A|^2, 1]: |A - x|^2 and (A - x) . u are products with columns of the particles
-        self._nodes = np.column_stack([away, np.sum(away**2, axis=-1) + up**2, np.ones(len(away))])
+        # |A - x|^2 and (A - x) . u are products of these rows with columns of the particles
+        one = np.ones(len(away))
+        self._nodes = Rows(
+            np.column_stack([-2.0 * away, np.sum(away**2, axis=-1) + up**2, one]), np.column_stack([away, one])
+        )
         self._least_squared = least**2
         self._work = Work()
 
@@ -74,16 +84,16 @@ class BodyLikelihood:
         if not heard.size:
             return Scored(np.zeros(s.shape[-1]), by_node)
         off = None if excess is None else excess[heard]
-        scored = self._scored(self._nodes[heard], s, _of_nodes(readings, heard), w, off)
+        scored = self._scored(Rows(*(rows[heard] for rows in self._nodes)), s, _of_nodes(readings, heard), w, off)
         if by_node is not None:
             by_node[heard] = scored.by_node
         return Scored(scored.l, by_node)
 
-    def _scored(self, nodes: Floats, s: Floats, readings: Readings, w: Floats | None, excess: Floats | None) -> Scored:
+    def _scored(self, nodes: Rows, s: Floats, readings: Readings, w: Floats | None, excess: Floats | None) -> Scored:
         """The same over the nodes' rows."""
         z, sigma, curves = readings
         kind, heard = self.kernel.kind, ~np.isnan(z)
-        shape = (*np.broadcast_shapes(s.shape[:-2], z.shape[:-1]), len(nodes), s.shape[-1])
+        shape = (*np.broadcast_shapes(s.shape[:-2], z.shape[:-1]), z.shape[-1], s.shape[-1])
         lg_d2 = self._log_squared_distances(nodes, s, shape)
         scale = np.where(heard, 1.0 / (math.sqrt(2.0) * sigma), 0.0)
         rest = (np.where(heard, z, 0.0) * scale)[..., None]
@@ -105,28 +115,32 @@ class BodyLikelihood:
 
     # ---- geometry
 
-    def _log_squared_distances(self, nodes: Floats, s: Floats, shape: tuple[int, ...]) -> Floats:
+    def _log_squared_distances(self, nodes: Rows, s: Floats, shape: tuple[int, ...]) -> Floats:
         """ln max(d, least)^2."""
-        c = np.empty((*s.shape[:-2], 4, s.shape[-1]))
-        x, y = s[..., X, :] - self._centre[0], s[..., Y, :] - self._centre[1]
-        np.multiply(x, -2.0, out=c[..., 0, :])
-        np.multiply(y, -2.0, out=c[..., 1, :])
+        c = self._work.of('c', (*s.shape[:-2], 4, s.shape[-1]))
+        x = self._about_centre(s, c[..., :2, :])
         c[..., 2, :] = 1.0
-        c[..., 3, :] = x * x + y * y
-        d2 = np.matmul(nodes, c, out=self._work.of('d', shape))
+        np.einsum('...ip,...ip->...p', x, x, out=c[..., 3, :])
+        d2 = np.matmul(nodes.distance, c, out=self._work.of('d', shape))
         np.maximum(d2, self._least_squared, out=d2)
         return np.log(d2, out=d2)
 
-    def _towards(self, nodes: Floats, s: Floats, shape: tuple[int, ...]) -> Floats:
+    def _towards(self, nodes: Rows, s: Floats, shape: tuple[int, ...]) -> Floats:
         """(A_i - x) . u(psi) [m]."""
-        c = np.empty((*s.shape[:-2], 4, s.shape[-1]))
-        facing = s[..., PSI, :] + s[..., YAW, :]
-        u_x, u_y = np.cos(facing, out=c[..., 0, :]), np.sin(facing, out=c[..., 1, :])
-        c[..., 2, :] = 0.0
-        c[..., 3, :] = -(u_x * (s[..., X, :] - self._centre[0]) + u_y * (s[..., Y, :] - self._centre[1]))
-        return np.matmul(nodes, c, out=self._work.of('t', shape))
+        c = self._work.of('c', (*s.shape[:-2], 5, s.shape[-1]))
+        x, u = self._about_centre(s, c[..., 3:, :]), c[..., :2, :]
+        facing = np.add(s[..., PSI, :], s[..., YAW, :], out=c[..., 2, :])
+        np.cos(facing, out=c[..., 0, :])
+        np.sin(facing, out=c[..., 1, :])
+        np.negative(np.einsum('...ip,...ip->...p', x, u, out=c[..., 2, :]), out=c[..., 2, :])
+        return np.matmul(nodes.direction, c[..., :3, :], out=self._work.of('t', shape))
 
-    def _behind(self, nodes: Floats, s: Floats, lg_d2: Floats) -> Floats:
+    def _about_centre(self, s: Floats, out: Floats) -> Floats:
+        """Positions (..., 2, P) [m] from the middle of the nodes."""
+        np.subtract(s[..., X : Y + 1, :], self._centre, out=out)
+        return out
+
+    def _behind(self, nodes: Rows, s: Floats, lg_d2: Floats) -> Floats:
         """Probability p_i that the body is in between: eps + (1 - 2 eps) / (1 + exp(k cos theta))."""
         p = self._towards(nodes, s, lg_d2.shape)
         inverse = np.multiply(lg_d2, -0.5, out=lg_d2)  # the distances are no longer needed

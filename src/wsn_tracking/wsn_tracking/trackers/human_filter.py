@@ -91,7 +91,7 @@ class HumanFilter:
         strikes, lost = self._struck(track, readings, scored.by_node, heard)
         anew = (lost | ~track.started) & any_heard
         parents = track.parents
-        if np.any(anew):
+        if anew.any():
             cloud, parents = self._placed(cloud, parents, anew, readings, generator)
         w = cloud.w
         mean, covariance = moments(cloud.s[..., PLANAR, :], w, FLOOR)
