@@ -13,8 +13,10 @@ from wsn_tracking.cli import main
 from wsn_tracking.commands import bench
 from wsn_tracking.evaluation import benchmark_filter as filters
 from wsn_tracking.evaluation import benchmark_fusion as fusion
+from wsn_tracking.evaluation import benchmark_particle as particle
 from wsn_tracking.evaluation.benchmark_rows import Row, Sizes, at_least, at_most, cpu_seconds
 from wsn_tracking.fusion import covariance_intersection as ci
+from wsn_tracking.models.walk import STATES
 
 TINY = Sizes(rounds=1, least=0.0, batches=(3,), messages=120, bag_s=2.0, long_s=20.0, graph_s=0.5)
 
@@ -96,6 +98,65 @@ def test_parser_of_the_benchmark_finds_every_report():
     assert [(r.payload.node_id, r.payload.seq) for r in serial.decoded(reads)] == [
         (k % 12, k // 12) for k in range(100)
     ]
+
+
+def likelihood_of_ours(p, points):
+    """But for the normals' constants."""
+    human, readings = particle.our_filter(p)
+    s = np.zeros((STATES, points.shape[1]))
+    s[:2] = points
+    return human.score(s, readings).l + 16.0 * math.log(particle.SIGMA * math.sqrt(2.0 * math.pi))
+
+
+@pytest.mark.parametrize('curves', [1, 2])
+def test_particles_are_weighed_alike_by_all(curves):
+    p = particle.problem(curves)
+    points = p.start[:, :50]
+    mine = likelihood_of_ours(p, points)
+    table_of_loop = [(float(x), float(y), float(z)) for (x, y), z in zip(p.positions, p.z, strict=True)]
+    by_loop = [particle.log_likelihood(x, y, table_of_loop, p.curves) for x, y in points.T]
+    np.testing.assert_allclose(mine, by_loop, rtol=1e-9)
+    if curves == 1:
+        pytest.importorskip('stonesoup')
+        from stonesoup.types.array import StateVectors
+        from stonesoup.types.state import State
+
+        theirs = particle.stone_soup_model(p).function(State(StateVectors(points)))
+        np.testing.assert_allclose(-0.5 * np.sum(((p.z[:, None] - theirs) / particle.SIGMA) ** 2, axis=0), mine)
+
+
+def test_the_package_particles_weighs_alike_where_it_is_installed():
+    pytest.importorskip('particles')
+    p = particle.problem(2)
+    points = p.start[:, :50]
+    theirs = particle.particles_model(p).PY(0, None, points.T).logpdf(p.z[None, :])
+    constants = 16.0 * math.log(particle.SIGMA * math.sqrt(2.0 * math.pi))
+    np.testing.assert_allclose(theirs + constants, likelihood_of_ours(p, points), rtol=1e-9)
+
+
+@pytest.mark.parametrize(('curves', 'name'), [(1, 'Stone Soup'), (1, 'plain loop'), (2, 'plain loop'), (2, 'particles')])
+def test_particle_filters_follow_the_same_target(curves, name):
+    """The mean over 15 steps, each of 1000 particles that spread some 1.5 m: standard error 0.02 m."""
+    pytest.importorskip({'Stone Soup': 'stonesoup', 'particles': 'particles'}.get(name, 'numpy'))
+    p = particle.problem(curves)
+    means = []
+    for make in (particle.ours, particle.PEERS[name]):
+        step = make(p)
+        means.append(np.mean([step() for _ in range(20)][5:], axis=0))
+    np.testing.assert_allclose(means[0], means[1], atol=0.25)
+
+
+def test_a_particle_filter_that_is_not_installed_is_said_and_not_fatal(monkeypatch):
+    def missing(problem):
+        raise ModuleNotFoundError("No module named 'particles'", name='particles')
+
+    pytest.importorskip('stonesoup')
+    monkeypatch.setitem(particle.PEERS, 'particles', missing)
+    rows = list(particle.rows(TINY))
+    assert {row.group for row in rows} == {'particles'}
+    for row in rows:
+        assert row.ours is not None
+        assert ('not installed' in row.note) == (row.peer == 'particles')
 
 
 # --- timing and telling
