@@ -134,16 +134,18 @@ def test_the_package_particles_weighs_alike_where_it_is_installed():
     np.testing.assert_allclose(theirs + constants, likelihood_of_ours(p, points), rtol=1e-9)
 
 
-@pytest.mark.parametrize(('curves', 'name'), [(1, 'Stone Soup'), (1, 'plain loop'), (2, 'plain loop'), (2, 'particles')])
+@pytest.mark.parametrize(
+    ('curves', 'name'), [(1, 'Stone Soup'), (1, 'plain loop'), (2, 'plain loop'), (2, 'particles')]
+)
 def test_particle_filters_follow_the_same_target(curves, name):
-    """The mean over 15 steps, each of 1000 particles that spread some 1.5 m: standard error 0.02 m."""
+    """The mean over 25 steps after it has settled; runs differ by 0.1 m, one curve in the place of two makes 9 m."""
     pytest.importorskip({'Stone Soup': 'stonesoup', 'particles': 'particles'}.get(name, 'numpy'))
     p = particle.problem(curves)
     means = []
     for make in (particle.ours, particle.PEERS[name]):
         step = make(p)
-        means.append(np.mean([step() for _ in range(20)][5:], axis=0))
-    np.testing.assert_allclose(means[0], means[1], atol=0.25)
+        means.append(np.mean([step() for _ in range(40)][15:], axis=0))
+    np.testing.assert_allclose(means[0], means[1], atol=0.5)
 
 
 def test_a_particle_filter_that_is_not_installed_is_said_and_not_fatal(monkeypatch):

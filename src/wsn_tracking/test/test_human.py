@@ -28,9 +28,9 @@ from wsn_tracking.trackers.human_config import (
     MotionConfig,
     ResamplingConfig,
     StartConfig,
-    curves_of,
 )
 from wsn_tracking.trackers.human_filter import HumanFilter
+from wsn_tracking.trackers.human_models import curves_of
 from wsn_tracking.trackers.human_readings import SignalTable
 
 SECOND = 1_000_000_000

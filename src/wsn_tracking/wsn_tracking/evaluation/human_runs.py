@@ -16,9 +16,11 @@ from wsn_tracking.models.body_likelihood import Readings
 from wsn_tracking.models.walk import PLANAR
 from wsn_tracking.simulation.c_body import BodyConfig, hear, nodes, people
 from wsn_tracking.simulation.paths import Area
-from wsn_tracking.trackers.human_config import HumanConfig, curves_of
+from wsn_tracking.trackers.human_config import HumanConfig
 from wsn_tracking.trackers.human_filter import HumanFilter
+from wsn_tracking.trackers.human_models import curves_of
 
+BLOCK = 20  # runs that are tracked at a time: a start weighs ten thousand places in each
 SETTLED = 10.0  # [s] that are not scored: filters that start anywhere have found him by then, or will not soon
 
 
@@ -56,9 +58,19 @@ def sample(config: BodyConfig, runs: int, seed: int) -> Walks:
 def track(config: HumanConfig, walks: Walks, seed: int = 1, *, nodes_too: bool = False) -> Tracks:
     """Every run through all epochs; with `lag`, the estimates of that long ago, at the times that they are of.
 
-    Those of the first `lag` seconds are repeated at the end of what is known: the last ones are NaN.
+    What is not estimated is NaN: with a lag the last epochs.
     """
-    generator = np.random.default_rng(seed)
+    blocks = [
+        _track_block(config, walks, slice(begin, begin + BLOCK), np.random.default_rng([seed, begin]), nodes_too)
+        for begin in range(0, len(walks.z), BLOCK)
+    ]
+    return Tracks(*(np.concatenate(column) for column in zip(*blocks, strict=True)))
+
+
+def _track_block(
+    config: HumanConfig, walks: Walks, block: slice, generator: np.random.Generator, nodes_too: bool
+) -> Tracks:
+    walks = walks._replace(states=walks.states[block], z=walks.z[block])
     runs = walks.z.shape[:1]
     human = HumanFilter(config.checked(), walks.anchors, walks.area)
     sigma = np.hypot(config.channel.sigma or walks.anchors.sigma_db, config.extra_db)
@@ -66,7 +78,7 @@ def track(config: HumanConfig, walks: Walks, seed: int = 1, *, nodes_too: bool =
     past = Ancestry(config.lag)
     state = human.begin(runs, generator)
     mean, covariance = np.full_like(walks.states, np.nan), np.full((*walks.states.shape, 4), np.nan)
-    reset, by_node = np.zeros(walks.z.shape[:2], dtype=np.bool_), np.empty(walks.z.shape)
+    reset, by_node = np.zeros(walks.z.shape[:2], dtype=np.bool_), np.full(walks.z.shape, np.nan)
     for k, t in enumerate(walks.times.tolist()):
         dt = t - float(walks.times[k - 1]) if k else 0.0
         z = walks.z[:, k]

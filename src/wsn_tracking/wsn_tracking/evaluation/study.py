@@ -17,6 +17,7 @@ from typing import Any
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.evaluation import (
     study_human,
+    study_human_parts,
     study_loss,
     study_process_noise,
     study_random_q,
@@ -44,11 +45,11 @@ STUDIES: Mapping[str, Mapping[str, Study]] = {  # file: its studies
         'corridor': study_human.corridor,
         'spacing': study_human.spacing,
         'noise': study_human.noise,
-        'parts': study_human.parts,
-        'teleport': study_human.teleport,
-        'needless': study_human.needless,
-        'silence': study_human.silence,
-        'disc_lag': study_human.disc_lag,
+        'parts': study_human_parts.parts,
+        'teleport': study_human_parts.teleport,
+        'needless': study_human_parts.needless,
+        'silence': study_human_parts.silence,
+        'disc_lag': study_human_parts.disc_lag,
     },
     'loss_tolerant': {
         'loss_rate': study_loss.loss_rate,

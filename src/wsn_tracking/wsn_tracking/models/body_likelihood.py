@@ -1,7 +1,7 @@
 """Log-likelihood of an epoch's signal strengths at particles: the inner loop over nodes and particles.
 
 Arrays are (..., N, P), nodes by particles, particles contiguous, in work arrays that are kept from call to call: what
-is returned is new, everything else is private scratch. Squared distances and cosines are one matrix product each.
+is returned is new, everything else is private scratch.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ import numpy as np
 
 from wsn_tracking.models.anchors import Floats
 from wsn_tracking.models.body import LEAST_DISTANCE, Curve, Curves
-from wsn_tracking.models.walk import PSI, YAW, X, Y
+from wsn_tracking.models.node_geometry import Geometry, ahead, geometry, log_squared_distances, of_nodes
 from wsn_tracking.models.work import Work
 
 SPAN_DB = 60.0  # an outlier reads anything within so much
@@ -46,28 +46,13 @@ class Scored(NamedTuple):
     by_node: Floats | None  # (..., N) log sum w p(z_i | particle); 0 where nothing was heard
 
 
-class Rows(NamedTuple):
-    """What belongs to each node."""
-
-    distance: Floats  # (N, 4): -2 A_x, -2 A_y, |A|^2, 1
-    direction: Floats  # (N, 3): A_x, A_y, 1
-
-
 class BodyLikelihood:
     """Of particles with the states of `models.walk`, by nodes at positions (N, 3) [m]."""
 
     def __init__(self, kernel: Kernel, positions: Floats, height: float = 0.0, least: float = LEAST_DISTANCE) -> None:
         self.kernel = kernel
         self.positions = positions
-        self._centre = positions[:, :2].mean(axis=0)[:, None]
-        away = positions[:, :2] - self._centre.T  # products of coordinates cancel: they should be small
-        up = height - positions[:, 2]
-        # |A - x|^2 and (A - x) . u are products of these rows with columns of the particles
-        one = np.ones(len(away))
-        self._nodes = Rows(
-            np.column_stack([-2.0 * away, np.sum(away**2, axis=-1) + up**2, one]), np.column_stack([away, one])
-        )
-        self._least_squared = least**2
+        self._nodes = geometry(positions, height, least)
         self._work = Work()
 
     def __call__(self, s: Floats, readings: Readings, w: Floats | None = None, excess: Floats | None = None) -> Scored:
@@ -84,17 +69,19 @@ class BodyLikelihood:
         if not heard.size:
             return Scored(np.zeros(s.shape[-1]), by_node)
         off = None if excess is None else excess[heard]
-        scored = self._scored(Rows(*(rows[heard] for rows in self._nodes)), s, _of_nodes(readings, heard), w, off)
+        scored = self._scored(of_nodes(self._nodes, heard), s, _of_nodes(readings, heard), w, off)
         if by_node is not None:
             by_node[heard] = scored.by_node
         return Scored(scored.l, by_node)
 
-    def _scored(self, nodes: Rows, s: Floats, readings: Readings, w: Floats | None, excess: Floats | None) -> Scored:
+    def _scored(
+        self, nodes: Geometry, s: Floats, readings: Readings, w: Floats | None, excess: Floats | None
+    ) -> Scored:
         """The same over the nodes' rows."""
         z, sigma, curves = readings
         kind, heard = self.kernel.kind, ~np.isnan(z)
-        shape = (*np.broadcast_shapes(s.shape[:-2], z.shape[:-1]), z.shape[-1], s.shape[-1])
-        lg_d2 = self._log_squared_distances(nodes, s, shape)
+        lg_d2 = log_squared_distances(nodes, s, self._work)
+        shape = lg_d2.shape
         scale = np.where(heard, 1.0 / (math.sqrt(2.0) * sigma), 0.0)
         rest = (np.where(heard, z, 0.0) * scale)[..., None]
         if excess is not None:
@@ -108,41 +95,14 @@ class BodyLikelihood:
         if kind == 'soft':
             return self._mixed(los, nlos, self._behind(nodes, s, lg_d2), sigma, heard, w)
         if kind == 'direction':
-            np.copyto(los, nlos, where=self._towards(nodes, s, shape) <= 0.0)
+            np.copyto(los, nlos, where=ahead(nodes, s, self._work) <= 0.0)
         else:
             np.minimum(los, nlos, out=los)
         return self._of_energy(los, sigma, heard, w)
 
-    # ---- geometry
-
-    def _log_squared_distances(self, nodes: Rows, s: Floats, shape: tuple[int, ...]) -> Floats:
-        """ln max(d, least)^2."""
-        c = self._work.of('c', (*s.shape[:-2], 4, s.shape[-1]))
-        x = self._about_centre(s, c[..., :2, :])
-        c[..., 2, :] = 1.0
-        np.einsum('...ip,...ip->...p', x, x, out=c[..., 3, :])
-        d2 = np.matmul(nodes.distance, c, out=self._work.of('d', shape))
-        np.maximum(d2, self._least_squared, out=d2)
-        return np.log(d2, out=d2)
-
-    def _towards(self, nodes: Rows, s: Floats, shape: tuple[int, ...]) -> Floats:
-        """(A_i - x) . u(psi) [m]."""
-        c = self._work.of('c', (*s.shape[:-2], 5, s.shape[-1]))
-        x, u = self._about_centre(s, c[..., 3:, :]), c[..., :2, :]
-        facing = np.add(s[..., PSI, :], s[..., YAW, :], out=c[..., 2, :])
-        np.cos(facing, out=c[..., 0, :])
-        np.sin(facing, out=c[..., 1, :])
-        np.negative(np.einsum('...ip,...ip->...p', x, u, out=c[..., 2, :]), out=c[..., 2, :])
-        return np.matmul(nodes.direction, c[..., :3, :], out=self._work.of('t', shape))
-
-    def _about_centre(self, s: Floats, out: Floats) -> Floats:
-        """Positions (..., 2, P) [m] from the middle of the nodes."""
-        np.subtract(s[..., X : Y + 1, :], self._centre, out=out)
-        return out
-
-    def _behind(self, nodes: Rows, s: Floats, lg_d2: Floats) -> Floats:
+    def _behind(self, nodes: Geometry, s: Floats, lg_d2: Floats) -> Floats:
         """Probability p_i that the body is in between: eps + (1 - 2 eps) / (1 + exp(k cos theta))."""
-        p = self._towards(nodes, s, lg_d2.shape)
+        p = ahead(nodes, s, self._work)
         inverse = np.multiply(lg_d2, -0.5, out=lg_d2)  # the distances are no longer needed
         np.exp(inverse, out=inverse)
         np.multiply(p, inverse, out=p)

@@ -15,7 +15,8 @@ from wsn_tracking.filters.resampling import RESAMPLERS, Indices
 from wsn_tracking.models.anchors import Anchors, Floats, Mask
 from wsn_tracking.models.body_likelihood import BodyLikelihood, Readings, Scored
 from wsn_tracking.models.walk import PLANAR, Inside, beyond, drawn, kept
-from wsn_tracking.trackers.human_config import HumanConfig, kld_of, transition_of, walk_of
+from wsn_tracking.trackers.human_config import HumanConfig
+from wsn_tracking.trackers.human_models import kld_of, transition_of, walk_of
 
 LONGEST_STEP = 1.0  # [s] of one transition of a walk
 FLOOR = 1e-3  # [m, m/s] least standard deviation that is told

@@ -13,7 +13,8 @@ from wsn_tracking.models.body_likelihood import Readings
 from wsn_tracking.models.radio import LN10_10
 from wsn_tracking.sensing.average import usable
 from wsn_tracking.sensing.values import Epoch, Modality, Range, Rssi
-from wsn_tracking.trackers.human_config import HumanConfig, curves_of
+from wsn_tracking.trackers.human_config import HumanConfig
+from wsn_tracking.trackers.human_models import curves_of
 
 LEAST_SIGMA = 0.5  # [dB] of what is said to be exact: particles are not
 RANGE_STD = 0.1  # [m] of a range that tells no variance
