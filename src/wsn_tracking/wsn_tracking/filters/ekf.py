@@ -8,7 +8,6 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from wsn_tracking.filters.linalg import matvec, transpose
 from wsn_tracking.models.anchors import Floats
@@ -42,16 +41,18 @@ def predict(belief: Gaussian, F: Floats, Q: Floats) -> Gaussian:
 
 
 def expected(m: Floats, place: Floats) -> tuple[Floats, Floats]:
-    """Distance of states m (..., n) from nodes at place (..., 3) [m], z counted from the target; its gradient (..., 2)."""
+    """Distance (...) of states m (..., n) from nodes at place (..., 3), z from the target up; gradient (..., 2)."""
     offset = m[..., :2] - place[..., :2]
     d = np.maximum(np.sqrt(np.sum(np.square(offset), axis=-1) + np.square(place[..., 2])), MIN_RANGE)
     return d, np.asarray(offset / d[..., None])
 
 
-def innovation(belief: Gaussian, z: ArrayLike, place: Floats, std: ArrayLike, share: ArrayLike = 0.0) -> Innovation:
+def innovation(
+    belief: Gaussian, z: Floats | float, place: Floats, std: Floats | float, share: Floats | float = 0.0
+) -> Innovation:
     """Of ranges z (...) [m], one an element of the batch; R = std^2 + (share times the expected range)^2."""
     h, g = expected(belief.m, place)
-    R = np.square(np.asarray(std, dtype=np.float64)) + np.square(share * h)
+    R = np.square(std) + np.square(share * h)
     return Innovation(np.asarray(z - h), g, spread(belief.P, g) + R, R)
 
 

@@ -13,8 +13,8 @@ def least_squares(positions: Floats, d: Floats, weights: Floats | None = None) -
     """Positions (..., 2) [m] of targets at plane distances d (..., N) from nodes at positions (N, 2) or (..., N, 2).
 
     The circles |x - a_j|^2 = d_j^2 less that of node n, the last that was heard: A x = B with the rows
-    A_j = 2 (a_j - a_n) and B_j = |a_j|^2 - |a_n|^2 - d_j^2 + d_n^2. NaN in d: not heard. NaN comes back where fewer than
-    three nodes were heard, or where these lie on a line: two places fit then.
+    A_j = 2 (a_j - a_n) and B_j = |a_j|^2 - |a_n|^2 - d_j^2 + d_n^2. NaN in d: not heard. NaN comes back where fewer
+    than three nodes were heard, or where these lie on a line: two places fit then.
 
     `weights` (..., N), inverse variances of d_j^2: what all rows owe to node n is a common error, and the best estimate
     takes the weighted means of |a|^2 - d^2 and a in the place of that node's (generalised least squares).

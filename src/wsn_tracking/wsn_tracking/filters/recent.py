@@ -27,10 +27,9 @@ class Recent(NamedTuple):
 
 def nothing(shape: tuple[int, ...], nodes: int) -> Recent:
     """Before anything was heard; shape of the batch."""
-    never = np.full((*shape, nodes), np.nan)
-    unknown = np.full(shape, np.nan)
-    return Recent(never, np.full_like(never, -np.inf), never, np.full((*shape, 2), np.nan), np.full((*shape, 4), np.nan),
-                  unknown, unknown)  # fmt: skip
+    never, unknown = np.full((*shape, nodes), np.nan), np.full(shape, np.nan)
+    nowhere = np.full((*shape, 4), np.nan)
+    return Recent(never, np.full_like(never, -np.inf), never, nowhere[..., :2], nowhere, unknown, unknown)
 
 
 def hear(recent: Recent, rows: NDArray[np.int64], d: Floats, weights: Floats, t: ArrayLike) -> Recent:

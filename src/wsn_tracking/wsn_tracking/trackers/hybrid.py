@@ -14,11 +14,16 @@ from wsn_tracking.filters.start import Area, area_of
 from wsn_tracking.models.anchors import Anchors
 from wsn_tracking.sensing.channel import calibrated
 from wsn_tracking.sensing.values import Epoch
+from wsn_tracking.trackers import hybrid_literal as literal
 from wsn_tracking.trackers import hybrid_steps as steps
 from wsn_tracking.trackers.estimate import Estimate, Kind
 from wsn_tracking.trackers.hybrid_config import HybridConfig
 from wsn_tracking.trackers.hybrid_readings import Distance, DistanceTable
 from wsn_tracking.trackers.hybrid_search import Search
+
+FORGET = 1.0 / 16.0  # weight of the newest range in what is averaged over ranges
+DOUBT = 0.1  # share of gated ranges from which on a track that fell silent is not trusted
+TOGETHER, THIN = 3, 4  # literal: ranges of an instant, and epochs in a row with fewer that show that none will have
 
 
 class HybridTracker:
@@ -42,10 +47,11 @@ class HybridTracker:
     def reset(self) -> None:
         """Forget the past: as after a start."""
         self._begun_ns: int | None = None  # times below count from here [s]
-        self._track: steps.Track | None = None
+        self._track: steps.Track | literal.LiteralTrack | None = None
+        self._thin, self._together = 0, False  # literal: epochs in a row with few ranges; whether one had enough
         self._search = Search(self.config, self._places, self._area)
         self._t = self._heard = 0.0  # of the belief; of the last range that was used
-        self._rejects = 0
+        self._rejects, self._misfit = 0.0, 1.0
         self._found_before = False
 
     def state(self) -> Mapping[str, Any]:
@@ -53,7 +59,8 @@ class HybridTracker:
         return {
             'phase': 'tracking' if self._track is not None else ('lost' if self._found_before else 'starting'),
             'hypotheses': 1 if self._track is not None else self._search.count,
-            'gated in a row': self._rejects,
+            'gated lately': self._rejects,
+            'misfit': self._misfit,
         }
 
     def step(self, epoch: Epoch) -> tuple[Estimate, ...]:
@@ -78,42 +85,74 @@ class HybridTracker:
 
     def _heard_in(self, epoch: Epoch) -> list[Distance]:
         """The ranges of an epoch that were used."""
-        used = []
-        for distance in self.table.read(epoch, self.counters):
-            t = self._seconds(distance.stamp_ns)
+        used: list[Distance] = []
+        for group in self._groups(self.table.read(epoch, self.counters)):
+            t = self._seconds(group[0].stamp_ns)
             if t < self._t - self.config.stale:
-                self.counters['late'] += 1
+                self.counters['late'] += len(group)
                 continue
             self._lose_if_stale(t)
-            if self._follow(distance, max(t, self._t)) if self._track is not None else self._look(distance, t):
-                used.append(distance)
+            if self._track is not None:
+                used += self._follow(group, max(t, self._t))
+            else:
+                used += [distance for distance in group if self._look(distance, max(t, self._t))]
         return used
 
-    def _follow(self, distance: Distance, t: float) -> bool:
-        """Go on with one range; whether it was used."""
-        assert self._track is not None
-        track = steps.predict(self._track, t - self._t, self.config)
-        reading = steps.reading_of(distance.z, distance.row, distance.std, distance.share)
-        self._track, outcome = steps.hear(track, reading, t, self._places, self.config)
+    def _groups(self, told: list[Distance]) -> list[list[Distance]]:
+        """What is taken at a time: one range, or all of the epoch (literal)."""
+        if self.config.form != 'literal':
+            return [[distance] for distance in told]
+        self._thin = 0 if len(told) >= TOGETHER else self._thin + bool(told)
+        self._together |= len(told) >= TOGETHER
+        if len({distance.stamp_ns for distance in told}) > 1 or (self._thin >= THIN and not self._together):
+            raise TrackingError(
+                f'form literal takes ranges of {TOGETHER} nodes or more at one instant, but those of target '
+                f'{self.target_id} come one by one: set `form` to inflate (or decay, imm)'
+            )
+        return [told] if told else []
+
+    def _follow(self, group: list[Distance], t: float) -> list[Distance]:
+        """Go on with ranges of one instant; those that were used."""
+        track = self._predicted(t)
         self._t = t
+        outcome: steps.Outcome | literal.Heard
+        if isinstance(track, literal.LiteralTrack):
+            z, std, share = np.full((3, len(self._places)), np.nan)
+            rows = [distance.row for distance in group]
+            z[rows], std[rows], share[rows] = np.array([(d.z, d.std, d.share) for d in group]).T
+            self._track, outcome = literal.hear(track, z, std, share, t, self._places, self.config)
+            gated = outcome.gated[rows].tolist()
+        else:
+            reading = steps.reading_of(group[0].z, group[0].row, group[0].std, group[0].share)
+            self._track, outcome = steps.hear(track, reading, t, self._places, self.config)
+            gated = [bool(outcome.gated)]
         self.counters['manoeuvre'] += int(outcome.manoeuvre)
-        if outcome.gated:
-            self.counters['gated'] += 1
-            self._rejects += 1
-            if self.config.robust.rejects and self._rejects >= self.config.robust.rejects:
-                self._lose('rejected')
-            return False
-        self._heard, self._rejects = t, 0
-        return True
+        self.counters['gated'] += sum(gated)
+        used = [distance for distance, out in zip(group, gated, strict=True) if not out]
+        self._judge(gated, float(outcome.squared))
+        self._heard = t if used else self._heard
+        return used
+
+    def _judge(self, gated: list[bool], squared: float) -> None:
+        """Give up a track that most ranges, or those that it takes, do not fit."""
+        for out in gated:
+            self._rejects += FORGET * (out - self._rejects)
+        if not all(gated):
+            self._misfit += FORGET * (squared - self._misfit)
+        robust = self.config.robust
+        if self._rejects > robust.rejects:
+            self._lose('rejected')
+        elif robust.misfit and self._misfit > robust.misfit:
+            self._lose('misfit')
 
     def _look(self, distance: Distance, t: float) -> bool:
-        """Search on with one range."""
-        t = max(t, self._t)
+        """Search on with one range; whether it was used (a track that it begins has it)."""
         found = self._search.hear(distance, t)
         self._t = self._heard = t
-        if found is not None:
-            self._track = steps.begin(found, len(self._places), self.config)
-            self._rejects = 0
+        if found is not None and self._track is None:
+            begin = literal.begin(found, len(self._places)) if self.config.form == 'literal' else None
+            self._track = begin or steps.begin(found, len(self._places), self.config)
+            self._rejects, self._misfit = 0.0, 1.0
             self.counters['reacquired' if self._found_before else 'started'] += 1
             self._found_before = True
         return True
@@ -123,16 +162,26 @@ class HybridTracker:
             self._lose('stale')
 
     def _lose(self, why: str) -> None:
-        """Give the track up, and look for the target anew."""
+        """Give the track up, and look for the target anew: elsewhere, if what was heard last did not fit."""
         assert self._track is not None
         self.counters[why] += 1
-        self._search = Search(self.config, self._places, self._area, self._track.belief, self._t)
+        last, start = self._track.belief, self.config.start
+        if why != 'stale' or self._rejects > DOUBT:
+            doubt = np.square([start.position_std, start.position_std, start.velocity_std, start.velocity_std])
+            last = last._replace(P=last.P + np.diag(doubt))
+        self._search = Search(self.config, self._places, self._area, last, self._t)
         self._track = None
 
     def _belief_at(self, t: float) -> tuple[Gaussian, Kind]:
         if self._track is None:
             return self._search.belief_at(t), Kind.START
-        return steps.predict(self._track, t - self._t, self.config).belief, Kind.LOCAL
+        return self._predicted(t).belief, Kind.LOCAL
+
+    def _predicted(self, t: float) -> steps.Track | literal.LiteralTrack:
+        assert self._track is not None
+        if isinstance(self._track, literal.LiteralTrack):
+            return literal.predict(self._track, t - self._t, self.config)
+        return steps.predict(self._track, t - self._t, self.config)
 
     def _seconds(self, stamp_ns: int) -> float:
         assert self._begun_ns is not None

@@ -26,11 +26,15 @@ class MotionConfig:
 class RobustConfig:
     """Ranges that are not what they say."""
 
-    gate: float = param(5.0, 'ranges further from their prediction are left out; 0: none', 'std', 0.0, 1e6)
-    rejects: int = param(
-        8, 'gated ranges in a row, and least squares may find the target elsewhere; 0: never', '', 0, 100000
+    gate: float = param(6.0, 'ranges further from their prediction are left out; 0: none', 'std', 0.0, 1e6)
+    rejects: float = param(
+        0.6, 'share of gated ranges, mean over some 16, from which on the target is looked for elsewhere; 1: never',
+        '', 0.01, 1.0,
+    )  # fmt: skip
+    misfit: float = param(6.0, 'likewise for nu^2 / S of ranges that were used; 0: never', '', 0.0, 1e6)
+    dof: float = param(
+        0.0, 'degrees of freedom of Student-t noise (3 heavy, 30 light tails); 0: Gaussian', '', 0.0, 1e6
     )
-    dof: float = param(0.0, 'degrees of freedom of Student-t noise (3 heavy, 30 light tails); 0: Gaussian', '', 0.0, 1e6)
 
 
 @dataclass(frozen=True)
@@ -71,14 +75,18 @@ class StartConfig:
 
     kind: str = param(
         'auto',
-        'ls: least squares; hypotheses: several places at once until one is left; auto: whichever is there first',
+        'ls: least squares; hypotheses: several places at once until one is left; auto: these where fewer than three '
+        'nodes are heard in the window',
         choices=('auto', 'ls', 'hypotheses'),
     )
     window: float = param(0.5, 'ls: oldest range that it takes', 's', 1e-3, 1e6)
-    misfit: float = param(5.0, 'ls: ranges further from what it finds rule it out; 0: none does', 'std', 0.0, 1e6)
-    position_std: float = param(1.0, 'ls: root of P0', 'm', 1e-6, 1e4)
-    velocity_std: float = param(1.0, 'root of P0 in velocity, per axis', 'm/s', 1e-6, 1e3)
-    resolved: float = param(0.3, 'hypotheses: a track begins below this standard deviation of the position', 'm', 0.0, 1e4)
+    misfit: float = param(5.0, 'ls: ranges that are no further from what it finds agree with it', 'std', 0.1, 1e6)
+    majority: float = param(0.6, 'ls: share of the ranges that must agree', '', 0.0, 1.0)
+    position_std: float = param(0.2, 'ls: root of P0 in position, per axis (the document: 1)', 'm', 1e-6, 1e4)
+    velocity_std: float = param(0.5, 'root of P0 in velocity, per axis (the document: 1)', 'm/s', 1e-6, 1e3)
+    resolved: float = param(
+        0.3, 'hypotheses: a track begins below this standard deviation of the position', 'm', 0.0, 1e4
+    )
     most: int = param(60, 'hypotheses: kept at most', '', 2, 10000)
 
 
@@ -113,6 +121,7 @@ class HybridConfig:
             raise TrackingError('`motion.spectral_density` is 0: without process noise a filter stops listening')
         if self.form == 'imm' and not 0.0 < self.models.calm < self.models.brisk:
             raise TrackingError(
-                f'`models.calm` {self.models.calm:g} and `models.brisk` {self.models.brisk:g}: expected 0 < calm < brisk'
+                f'`models.calm` is {self.models.calm:g} and `models.brisk` {self.models.brisk:g}: '
+                'expected 0 < calm < brisk'
             )
         return self

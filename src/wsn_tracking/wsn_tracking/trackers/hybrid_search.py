@@ -6,7 +6,8 @@ import math
 
 import numpy as np
 
-from wsn_tracking.filters import hypotheses, recent
+from wsn_tracking.filters import hypotheses
+from wsn_tracking.filters.agreement import Told, agreed
 from wsn_tracking.filters.ekf import Gaussian
 from wsn_tracking.filters.hypotheses import Hypotheses
 from wsn_tracking.filters.start import Area
@@ -15,6 +16,7 @@ from wsn_tracking.models.motion import forgetful_velocity
 from wsn_tracking.trackers.hybrid_config import HybridConfig
 from wsn_tracking.trackers.hybrid_readings import Distance
 
+PLENTY = 5  # ranges that must agree; where a whole window brought fewer, three do
 ELSEWHERE = 0.1  # probability that a target that was lost is not where it would have gone
 
 
@@ -28,10 +30,11 @@ class Search:
         self, config: HybridConfig, places: Floats, area: Area, last: Gaussian | None = None, t: float = math.nan
     ) -> None:
         self._config, self._places, self._area = config, places, area
-        self._recent = recent.nothing((), len(places))
+        self._told: list[tuple[Distance, float]] = []  # in the window of least squares, and when
         self._last = None if last is None else hypotheses.one(last)
         self._left: Hypotheses | None = None  # no range yet: None
         self._t = t
+        self._begun = math.inf
 
     def belief_at(self, t: float) -> Gaussian:
         """Mean and covariance of where the target may be at t [s]."""
@@ -47,29 +50,31 @@ class Search:
 
     def hear(self, distance: Distance, t: float) -> Gaussian | None:
         """Take one range in at t [s]; what a track can begin with, as soon as there is enough."""
-        kind = self._config.start.kind
-        if kind != 'hypotheses':
-            found = self._least_squares(distance, t)
+        start = self._config.start
+        self._begun = min(self._begun, t)
+        self._told = [(d, then) for d, then in (*self._told, (distance, t)) if t - then <= start.window]
+        if start.kind != 'hypotheses':
+            found = self._least_squares(t)
             if found is not None:
                 return found
-        if kind == 'ls':
+        if start.kind == 'ls':
             return None
         self._follow(distance, t)
+        if start.kind == 'auto' and (t - self._begun < start.window or len({d.row for d, _ in self._told}) >= 3):
+            return None  # least squares may still find it
         belief = self.belief_at(t)
         extent = math.sqrt(float(np.linalg.eigvalsh(belief.P[:2, :2])[-1]))
-        return belief if extent <= self._config.start.resolved else None
+        return belief if extent <= start.resolved else None
 
-    def _least_squares(self, distance: Distance, t: float) -> Gaussian | None:
-        start, xy = self._config.start, self._places[:, :2]
-        std = math.hypot(distance.std, distance.share * distance.z)
-        d = math.sqrt(max(distance.z**2 - self._places[distance.row, 2] ** 2, 0.0))
-        weight = np.asarray(1.0 / max((2.0 * d * std) ** 2, 1e-12))
-        self._recent = recent.hear(self._recent, np.asarray(distance.row), np.asarray(d), weight, t)
-        x = recent.solve(self._recent, xy, t, start.window, distance.share > 0.0)
-        if math.isnan(x[0]) or not _inside(x, self._area):
-            return None
-        off = recent.misfit(self._recent, xy, x, t, start.window, start.velocity_std)
-        if start.misfit and float(off) > start.misfit * std:
+    def _least_squares(self, t: float) -> Gaussian | None:
+        start = self._config.start
+        a = np.array([self._places[d.row, :2] for d, _ in self._told])
+        std = np.array([math.hypot(d.std, d.share * d.z) for d, _ in self._told])
+        age = np.array([t - then for _, then in self._told])
+        plane = np.array([_in_plane(d.z, self._places[d.row, 2]) for d, _ in self._told])
+        least = PLENTY if t - self._begun < start.window else 3
+        x = agreed(Told(a, plane, start.misfit * std + start.velocity_std * age), least, start.majority)
+        if x is None or not _inside(x, self._area):
             return None
         P = np.diag(np.square([start.position_std, start.position_std, start.velocity_std, start.velocity_std]))
         return Gaussian(np.concatenate([x, np.zeros(2)]), P)
@@ -93,7 +98,7 @@ class Search:
 
     def _ring(self, distance: Distance) -> Hypotheses:
         place, start = self._places[distance.row], self._config.start
-        d = math.sqrt(max(distance.z**2 - place[2] ** 2, 0.0))
+        d = _in_plane(distance.z, float(place[2]))
         std = math.hypot(distance.std, distance.share * distance.z) * distance.z / max(d, distance.std, 1e-3)
         return hypotheses.ring(place[:2], d, std, self._area, start.velocity_std, start.most)
 
@@ -103,6 +108,11 @@ class Search:
         motion = self._config.motion
         F, chol_Q = forgetful_velocity(motion.spectral_density, t - self._t, motion.velocity_time)
         return hypotheses.predict(places, F, chol_Q @ chol_Q.T)
+
+
+def _in_plane(z: float, height: float) -> float:
+    """The distance in the plane that a range tells; zero where it is shorter than the height."""
+    return math.sqrt(max(z * z - height * height, 0.0))
 
 
 def _inside(x: Floats, area: Area) -> bool:

@@ -51,6 +51,7 @@ class Outcome(NamedTuple):
     accepted: Mask
     gated: Mask
     manoeuvre: Mask
+    squared: Floats  # nu^2 / S under the model that fits best; one on the average
 
 
 def begin(belief: Gaussian, nodes: int, config: HybridConfig) -> Track:
@@ -105,15 +106,18 @@ def hear(track: Track, reading: Reading, t: float, places: Floats, config: Hybri
     seen = innovation(track, reading, places)
     turned = np.zeros_like(heard)
     if config.form not in ('imm', 'ekf'):
-        told = listen(track.recent, reading, t, places, config)
-        watch, beyond = manoeuvre.observe(track.watch, _first(seen), config.manoeuvre.threshold)
+        credible = _credible(reading.z, seen, config)
+        told = listen(track.recent, reading._replace(z=credible), t, places, config)
+        watched = _first(seen)._replace(nu=np.where(np.isnan(credible), np.nan, seen.nu[..., 0]))
+        watch, beyond = manoeuvre.observe(track.watch, watched, config.manoeuvre.threshold)
         turned = beyond & is_fresh(told, t, places, config) if beyond.any() else turned
         track = track._replace(recent=told, watch=manoeuvre.answered(watch, turned, config.manoeuvre.rest))
         track = _answer(track, heard, turned, config)
         seen = innovation(track, reading, places) if turned.any() else seen
     gated = heard & _beyond(track, seen, config)
+    outcome = Outcome(heard & ~gated, gated, turned, seen.squared.min(axis=-1))
     seen = seen._replace(nu=np.where(gated[..., None], np.nan, seen.nu))
-    return _update(track, seen, config), Outcome(heard & ~gated, gated, turned)
+    return _update(track, seen, config), outcome
 
 
 def listen(told: Recent, reading: Reading, t: float, places: Floats, config: HybridConfig) -> Recent:
@@ -123,10 +127,9 @@ def listen(told: Recent, reading: Reading, t: float, places: Floats, config: Hyb
     told = recent.hear(told, reading.rows, d, 1.0 / np.maximum(np.square(2.0 * d * std), 1e-12), t)
     place, age_max = places[:, :2], config.least_squares.age_max * config.period
     raw = recent.solve(told, place, t, age_max, bool(np.any(reading.share > 0.0)))
-    if config.start.misfit:
-        off = recent.misfit(told, place, raw, t, age_max, config.start.velocity_std)
-        with np.errstate(invalid='ignore'):
-            raw = np.where((off > config.start.misfit * np.nan_to_num(std, nan=np.inf))[..., None], np.nan, raw)
+    off = recent.misfit(told, place, raw, t, age_max, config.start.velocity_std)
+    with np.errstate(invalid='ignore'):
+        raw = np.where((off > config.start.misfit * np.nan_to_num(std, nan=np.inf))[..., None], np.nan, raw)
     return recent.follow(told, raw, t, age_max, config.least_squares.weight)
 
 
@@ -154,6 +157,16 @@ def _beyond(track: Track, seen: Innovation, config: HybridConfig) -> Mask:
         S = S + (_fading(track, config) * spread(track.P_z, seen.g[..., 0, :]))[..., None]
     with np.errstate(invalid='ignore'):
         return np.asarray((np.square(seen.nu) > config.robust.gate**2 * S).all(axis=-1))
+
+
+def _credible(z: Floats, seen: Innovation, config: HybridConfig) -> Floats:
+    """Ranges that the target may have caused, whatever it did in the last few periods; NaN for others."""
+    if not config.robust.gate:
+        return z
+    way = config.start.velocity_std * config.manoeuvre.fresh * config.period
+    off = np.abs(_first(seen).nu) - config.robust.gate * np.sqrt(_first(seen).S)
+    with np.errstate(invalid='ignore'):
+        return np.where(off > way, np.nan, z)
 
 
 def _fading(track: Track, config: HybridConfig) -> Floats:
