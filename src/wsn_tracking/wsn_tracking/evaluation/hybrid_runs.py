@@ -8,8 +8,12 @@ import numpy as np
 
 from wsn_tracking.filters import recent
 from wsn_tracking.filters.ekf import Gaussian
+from wsn_tracking.filters.least_squares import least_squares
 from wsn_tracking.models.anchors import Floats, Mask
+from wsn_tracking.models.measurement import distances
+from wsn_tracking.models.radio import MIN_RANGE
 from wsn_tracking.simulation.d_cells import CellsConfig, Measured, measure, nodes
+from wsn_tracking.trackers import hybrid_literal as literal
 from wsn_tracking.trackers import hybrid_steps as steps
 from wsn_tracking.trackers.hybrid_config import HybridConfig
 
@@ -76,3 +80,21 @@ def track(runs: Runs, config: HybridConfig) -> Tracks:
         m[:, k], P[:, k] = np.where(found[:, None], belief.m, np.nan), belief.P
         turned[:, k] = outcome.manoeuvre
     return Tracks(m, P, turned)
+
+
+def track_together(runs: Runs, config: HybridConfig, seed: int) -> Floats:
+    """Means (runs, K, 4) of form literal, which has the ranges of all nodes at once in every period (drawn anew)."""
+    places = nodes().positions
+    N, many = len(places), len(runs.told.z)
+    noise = np.random.default_rng(seed).standard_normal((many, len(runs.states), N))
+    z = np.maximum(distances(nodes(), runs.states) + runs.config.range_std * noise, MIN_RANGE)
+    std, share = np.full(N, config.range_std), np.zeros(N)
+    root = [config.start.position_std] * 2 + [config.start.velocity_std] * 2
+    first = np.concatenate([least_squares(places[:, :2], z[:, 0]), np.zeros((many, 2))], axis=-1)
+    state = literal.begin(Gaussian(first, np.broadcast_to(np.diag(np.square(root)), (many, 4, 4))), N)
+    m = np.empty((many, len(runs.states), 4))
+    for k in range(len(runs.states)):
+        state = literal.predict(state, runs.config.period if k else 0.0, config)
+        state, _ = literal.hear(state, z[:, k], std, share, k * runs.config.period, places, config)
+        m[:, k] = state.belief.m
+    return m

@@ -18,6 +18,7 @@ from wsn_tracking.errors import TrackingError
 from wsn_tracking.evaluation import (
     study_human,
     study_human_parts,
+    study_hybrid,
     study_loss,
     study_process_noise,
     study_random_q,
@@ -54,6 +55,12 @@ STUDIES: Mapping[str, Mapping[str, Study]] = {  # file: its studies
     'loss_tolerant': {
         'loss_rate': study_loss.loss_rate,
         'loss_kind': study_loss.loss_kind,
+    },
+    'hybrid': {
+        'sudden_stop': study_hybrid.sudden_stop,
+        'lost_ranges': study_hybrid.lost_ranges,
+        'gate': study_hybrid.gate,
+        'frozen_gain': study_hybrid.frozen_gain,
     },
 }
 
