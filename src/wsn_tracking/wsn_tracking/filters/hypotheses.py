@@ -12,9 +12,9 @@ import numpy as np
 
 from wsn_tracking.filters import ekf
 from wsn_tracking.filters.ekf import Gaussian
-from wsn_tracking.filters.start import Area
 from wsn_tracking.models.anchors import Floats
 
+Box = tuple[float, float, float, float]  # x_min, y_min, x_max, y_max [m]
 BEND = 0.3  # a hypothesis wider than this share of its distance is split: the circle bends within it
 SPLIT_AT, SPLIT_STD, SPLIT_W = 1.0575, 0.6716, (0.2252, 0.5496, 0.2252)  # N(0, 1) as three, all but equal to it
 ROUNDS = 6  # of splitting
@@ -36,7 +36,7 @@ def one(belief: Gaussian) -> Hypotheses:
     return Hypotheses(belief.m[None], belief.P[None], np.ones(1))
 
 
-def ring(place: Floats, d: float, std: float, area: Area, velocity_std: float, most: int) -> Hypotheses:
+def ring(place: Floats, d: float, std: float, area: Box, velocity_std: float, most: int) -> Hypotheses:
     """All places at distance d [m] in the plane from a node at place (2,), inside an area, at rest on the average.
 
     No place inside: all of them.
@@ -129,7 +129,7 @@ def reduced(places: Hypotheses, most: int) -> Hypotheses:
     return Hypotheses(columns[0], columns[1], columns[2] / columns[2].sum())
 
 
-def kept_inside(places: Hypotheses, area: Area, fade: float) -> Hypotheses:
+def kept_inside(places: Hypotheses, area: Box, fade: float) -> Hypotheses:
     """Those beyond an area lose weight, by a Gaussian of `fade` [m] of how far they are."""
     x = places.m[:, :2]
     off = np.maximum(np.maximum(area[:2] - x, x - area[2:]), 0.0).sum(axis=-1)

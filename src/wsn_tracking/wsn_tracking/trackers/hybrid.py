@@ -10,8 +10,9 @@ import numpy as np
 
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.filters.ekf import Gaussian
-from wsn_tracking.filters.start import Area, area_of
+from wsn_tracking.filters.start import area_of
 from wsn_tracking.models.anchors import Anchors
+from wsn_tracking.models.region import region_of
 from wsn_tracking.sensing.channel import calibrated
 from wsn_tracking.sensing.values import Epoch
 from wsn_tracking.trackers import hybrid_literal as literal
@@ -40,7 +41,7 @@ class HybridTracker:
         anchors, _ = calibrated(config.channel, anchors)
         self.table = DistanceTable(anchors, config.range_std)
         self._places = anchors.positions - np.array([0.0, 0.0, config.target_height])
-        self._area: Area = (*config.area,) if config.area else area_of(anchors)  # type: ignore[assignment]
+        self._area = region_of(config.area or area_of(anchors)).box
         self.counters: Counter[str] = Counter()
         self.reset()
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import TypeVar
 
 from wsn_tracking.errors import TrackingError
+from wsn_tracking.models.region import region_of
 from wsn_tracking.parameters import group, param
 
 Checked = TypeVar('Checked', bound='HybridConfig')
@@ -101,7 +102,11 @@ class HybridConfig:
         choices=FORMS,
     )
     target_height: float = param(0.0, 'height at which the target moves', 'm', -1e4, 1e4)
-    area: tuple[float, ...] = param((), 'x_min, y_min, x_max, y_max where targets may be; empty: round the nodes', 'm')
+    area: tuple[float, ...] = param(
+        (),
+        'where targets are looked for: x_min, y_min, x_max, y_max, or corners x, y, ...; empty: round the nodes',
+        'm',
+    )
     period: float = param(0.05, 'T: time between ranges of a target', 's', 1e-4, 3600.0)
     range_std: float = param(0.02, 'of ranges that tell neither variance nor come from RSSI', 'm', 1e-6, 1e3)
     stale: float = param(1.0, 'without a usable range for so long a track is found anew', 's', 1e-3, 1e6)
@@ -115,8 +120,8 @@ class HybridConfig:
 
     def checked(self: Checked) -> Checked:
         """Itself, or TrackingError where fields contradict each other."""
-        if self.area and not (len(self.area) == 4 and self.area[0] < self.area[2] and self.area[1] < self.area[3]):
-            raise TrackingError(f'`area` is {list(self.area)}: expected x_min, y_min, x_max, y_max with min < max')
+        if self.area:
+            region_of(tuple(self.area))
         if self.form != 'imm' and self.motion.spectral_density == 0.0:
             raise TrackingError('`motion.spectral_density` is 0: without process noise a filter stops listening')
         if self.form == 'imm' and not 0.0 < self.models.calm < self.models.brisk:

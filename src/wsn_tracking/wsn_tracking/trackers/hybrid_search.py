@@ -9,8 +9,7 @@ import numpy as np
 from wsn_tracking.filters import hypotheses
 from wsn_tracking.filters.agreement import Told, agreed
 from wsn_tracking.filters.ekf import Gaussian
-from wsn_tracking.filters.hypotheses import Hypotheses
-from wsn_tracking.filters.start import Area
+from wsn_tracking.filters.hypotheses import Box, Hypotheses
 from wsn_tracking.models.anchors import Floats
 from wsn_tracking.models.motion import forgetful_velocity
 from wsn_tracking.trackers.hybrid_config import HybridConfig
@@ -27,7 +26,7 @@ class Search:
     """
 
     def __init__(
-        self, config: HybridConfig, places: Floats, area: Area, last: Gaussian | None = None, t: float = math.nan
+        self, config: HybridConfig, places: Floats, area: Box, last: Gaussian | None = None, t: float = math.nan
     ) -> None:
         self._config, self._places, self._area = config, places, area
         self._told: list[tuple[Distance, float]] = []  # in the window of least squares, and when
@@ -74,7 +73,7 @@ class Search:
         plane = np.array([_in_plane(d.z, self._places[d.row, 2]) for d, _ in self._told])
         least = PLENTY if t - self._begun < start.window else 3
         x = agreed(Told(a, plane, start.misfit * std + start.velocity_std * age), least, start.majority)
-        if x is None or not _inside(x, self._area):
+        if x is None or not _inside(x, self._area, start.position_std):
             return None
         P = np.diag(np.square([start.position_std, start.position_std, start.velocity_std, start.velocity_std]))
         return Gaussian(np.concatenate([x, np.zeros(2)]), P)
@@ -115,11 +114,11 @@ def _in_plane(z: float, height: float) -> float:
     return math.sqrt(max(z * z - height * height, 0.0))
 
 
-def _inside(x: Floats, area: Area) -> bool:
-    return bool(area[0] <= x[0] <= area[2] and area[1] <= x[1] <= area[3])
+def _inside(x: Floats, box: Box, margin: float) -> bool:
+    return bool(box[0] - margin <= x[0] <= box[2] + margin and box[1] - margin <= x[1] <= box[3] + margin)
 
 
-def _flat(area: Area, velocity_std: float) -> Gaussian:
+def _flat(area: Box, velocity_std: float) -> Gaussian:
     """Mean and covariance of a uniform density over an area, at rest on the average."""
     low, high = np.array(area[:2]), np.array(area[2:])
     variance = np.square(high - low) / 12.0
