@@ -5,8 +5,11 @@ from __future__ import annotations
 import math
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from zstack_cases import properties
 
-from wsn_tracking.bridging import Bridge, Rules
+from wsn_tracking.bridging import TARGETS, Bridge, Rules
 from wsn_tracking.sensing.values import EpochEnd, Modality, Range, Reason, Request, Rssi, TriggerReport
 from wsn_tracking.zstack.duplicates import Verdict
 from wsn_tracking.zstack.intake import Taken
@@ -114,3 +117,73 @@ def test_a_range_keeps_no_variance_that_was_not_told():
     payload = Payload(PayloadType.RANGE, 5, 2, 0, (RangeRecord(9, 0, 1000, 0, 4),))
     measured = next(v for v in b.take(taken(payload, 0), 0) if isinstance(v, Range))
     assert math.isnan(measured.variance)
+
+
+def test_memory_is_bounded_whatever_robots_are_told_of():
+    """A word of one robot more makes the one that was silent for longest a new one; nobody else notices."""
+    b = bridge()
+    for robot in range(4 * TARGETS):
+        list(b.take(taken(rssi(1, robot, RssiRecord(robot, 0, -50, beacon_seq=9)), robot), robot * MS))
+        list(b.take(taken(rssi(1, robot, RssiRecord(5000, 0, -50, beacon_seq=robot % 256)), robot), robot * MS))
+    again = list(b.take(taken(rssi(1, 0, RssiRecord(5000, 0, -50, beacon_seq=0)), 4 * TARGETS), 0))
+    assert [type(v) for v in again] == [Request, Rssi]
+    assert again[0].seq == 4 * TARGETS  # it goes on counting
+    ends = list(b.due(10**15))
+    assert len({end.target_id for end in ends}) == 4 * TARGETS + 1
+    assert list(b.due(10**15)) == []
+
+
+records = st.one_of(
+    st.builds(
+        RssiRecord,
+        st.integers(0, 3),
+        st.one_of(st.none(), st.integers(0, 65534)),
+        st.one_of(st.none(), st.integers(-127, 127)),
+        st.integers(0, 255),
+        st.one_of(st.none(), st.floats(0.0, 15.8)),
+        st.integers(0, 255),
+    ),
+    st.builds(
+        RangeRecord,
+        st.integers(0, 3),
+        st.one_of(st.none(), st.integers(0, 65534)),
+        st.integers(0, 65535),
+        st.integers(0, 255),
+        st.integers(0, 255),
+    ),
+)
+
+
+@properties
+@given(
+    st.lists(
+        st.tuples(
+            st.sampled_from([1, 2, 3, 4]),
+            st.integers(0, 5),
+            st.integers(0, 65535),
+            st.lists(records, max_size=8),
+            st.integers(0, 15),
+            st.integers(-5000, 5000),
+        ),
+        max_size=40,
+    )
+)
+def test_whatever_nodes_say_becomes_epochs_in_order(words):
+    """Any records at any age: each epoch is asked for once, before its measurements, and ends once."""
+    b, now, values = bridge(), 0, []
+    for kind, node, seq, said, flags, step in words:
+        now += abs(step)
+        values += b.take(taken(Payload(kind, node, seq, 0, tuple(said), flags), now + step), now * MS)
+        values += b.due(now * MS)
+    values += b.due(10**15)
+    asked, ended = {}, set()
+    for value in values:
+        key = value.target_id, (value.seq if isinstance(value, Request) else value.request_seq)
+        if isinstance(value, Request):
+            assert key not in asked
+            asked[key] = value.stamp_ns
+        elif isinstance(value, EpochEnd):
+            assert key not in ended
+            ended.add(key)
+        assert value.stamp_ns == asked[key]
+    assert ended == set(asked)

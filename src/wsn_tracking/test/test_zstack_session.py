@@ -1,6 +1,7 @@
 import contextlib
 import dataclasses
 import os
+import random
 import time
 
 import pytest
@@ -10,6 +11,7 @@ from zstack_cases import BYTES, line_bytes, message, report_payload
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.zstack import commands as c
 from wsn_tracking.zstack import session as session_module
+from wsn_tracking.zstack.frames import Frame, encode_frame
 from wsn_tracking.zstack.lines import encode_line
 from wsn_tracking.zstack.link import LinkEvent
 from wsn_tracking.zstack.payload import Payload, PayloadType, encode_payload
@@ -389,6 +391,34 @@ def test_foreign_and_broken_messages_are_counted(sink, host):
     up.wait_seqs([1])
     names = ('foreign_endpoint', 'foreign_cluster', 'payload_crc', 'unknown_command')
     assert [up.counted(name) for name in names] == [1, 1, 2, 1]
+
+
+def sound_but_hostile(draw, count):
+    """Frames that are sound, of any command or none, with data that mean nothing."""
+    for _ in range(count):
+        header = draw.choice([*c.BY_HEADER, draw.randrange(1 << 16)])
+        yield encode_frame(Frame(header, draw.randbytes(draw.choice([0, 1, 3, 5, 14, 24, 60, 250]))))
+
+
+@pytest.mark.parametrize('seed', range(3))
+def test_nothing_that_a_sink_says_breaks_the_host(sink, host, seed):
+    """Noise, sound frames of any command with any data, unasked answers, restarts: afterwards reports come."""
+    draw = random.Random(seed)
+    up = host(host_queue=50)
+    up.wait_up()
+    for _ in range(20):
+        sink.say(*sound_but_hostile(draw, 20))
+        sink.say(draw.randbytes(200))
+        up.received.clear()
+
+    def comes_through():
+        """What was said last may be taken for the end of a frame that noise has begun: it is said again."""
+        sink.say(data(7))
+        up.received += up.session.inbox.take(0.05)
+        return 7 in up.seqs
+
+    up.until(comes_through)
+    assert up.counted('internal_errors') == 0
 
 
 def test_indications_reach_the_host(sink, host):

@@ -18,6 +18,7 @@ from wsn_tracking.zstack.payload import MAX_RECORDS, Flag, Payload, PayloadType
 from wsn_tracking.zstack.records import RangeRecord, RssiRecord
 
 KEPT = 256  # closed epochs of a target that late words can still be matched with
+TARGETS = 256  # remembered; a word of one more makes the one that was silent for longest a new one
 Value = Request | Rssi | Range | EpochEnd | TriggerReport
 
 
@@ -63,11 +64,13 @@ class Bridge:
 
     def due(self, now_ns: int) -> Iterator[Value]:
         """The ends of the epochs that are over by now, each target's in order."""
-        for epochs in self._open.values():
+        for target, epochs in list(self._open.items()):
             for seq in sorted(epochs):
                 if epochs[seq].due_ns > now_ns:
                     break
                 yield from self._end(epochs.pop(seq))
+            if not epochs:
+                del self._open[target]
 
     def _record(
         self, taken: Taken, payload: Payload, index: int, record: RssiRecord | RangeRecord, now_ns: int
@@ -79,8 +82,8 @@ class Bridge:
         if measured_ns is None or node is None:
             self.counters['too_old' if measured_ns is None else 'unmapped_node'] += 1
             return
-        paired = pair(self._robots.get(target, Robot()), record.beacon_seq, measured_ns)
-        self._robots[target] = paired.robot
+        paired = pair(self._robots.pop(target, Robot()), record.beacon_seq, measured_ns)
+        self._remember(target, paired.robot)
         seq = paired.request_seq
         if paired.first:
             yield self._ask(target, seq, measured_ns, now_ns)
@@ -90,6 +93,12 @@ class Bridge:
             return
         self._list(target, seq, value, bool(payload.flags & Flag.EVENT_TRIGGERED))
         yield value
+
+    def _remember(self, target: int, robot: Robot) -> None:
+        self._robots[target] = robot
+        if len(self._robots) > TARGETS:
+            forgotten = next(iter(self._robots))
+            del self._robots[forgotten], self._stamps[forgotten]
 
     def _node(self, radio: int) -> int | None:
         return self._rules.node_ids.get(radio) if self._rules.node_ids else radio

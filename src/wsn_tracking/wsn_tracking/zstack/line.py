@@ -18,6 +18,7 @@ from wsn_tracking.zstack.port import Port
 from wsn_tracking.zstack.protocols import Item, LineProtocol
 
 LOOKS = 5  # at the line within one gap
+MOST_STALE = 1 << 20  # bytes; no port holds more
 
 
 class Heard(NamedTuple):
@@ -82,9 +83,9 @@ class Line:
         return Heard([], arrival_ns)
 
     def drop(self) -> int:
-        """Discard what lies ready; how many bytes that were."""
+        """Discard what lies ready; how many bytes that were. A line that does not stop is left as it is."""
         dropped = 0
-        while select.select([self.port], [], [], 0)[0]:
+        while dropped < MOST_STALE and select.select([self.port], [], [], 0)[0]:
             data = self.port.read()
             if not data:
                 break
