@@ -26,4 +26,4 @@ def test_what_the_nodes_say_reaches_every_estimator(monkeypatch):
 def test_noise_of_the_study_holds_little_and_never_raises():
     told = serial_study.noise(100_000)
     assert told['bytes'] == 100_000
-    assert told['most_held_bytes'] <= 254
+    assert told['most_held_bytes'] <= 255

@@ -262,6 +262,16 @@ def test_host_gets_there_in_spite_of_bad_answers(radio, host, fault, counter):
     assert len(heard.events('up')) >= 1
 
 
+def test_sink_that_answers_slowly_is_waited_for(radio, host):
+    """Each answer takes a while, but less than the timeout: nothing is asked twice, and no answer counts as late."""
+    sink = radio('late_reply=1', fault_time=0.1)
+    heard = host(timeout=patient(reply=30.0, ping=30.0)).through(sink)
+    assert heard.measured == ALL
+    assert strikes(sink) > 8
+    wrong = ('no_answers', 'late_answers', 'repeated_requests', 'pings_missed', 'lost', 'open_failed')
+    assert not [name for name in wrong if heard.counters[name]]
+
+
 def test_full_queue_drops_the_oldest(radio, host):
     sink, heard = radio(), host(host_queue=10)
     heard.until_up()

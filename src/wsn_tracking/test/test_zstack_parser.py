@@ -6,13 +6,20 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from zstack_cases import BYTES, is_subsequence, line_bytes, message, parse, properties, report_payload
 
-from wsn_tracking.zstack.commands import decode
+from wsn_tracking.zstack.bad import Bad
+from wsn_tracking.zstack.commands import AfRegisterRsp, decode
 from wsn_tracking.zstack.frames import encode_frame, fcs
 from wsn_tracking.zstack.parser import GAP_S, Parser
 
 STREAM = b''.join(BYTES.values())
 FRAMES = [frame for data in BYTES.values() for frame in parse(data)]
 REPORTS = [line_bytes(message(report_payload(seq=seq, rssi=-40 - seq), ticks=1000 * seq)) for seq in range(6)]
+GROWN = [
+    frame._replace(data=frame.data + bytes(range(1, 1 + more)))
+    for name in ('SYS_PING_SRSP_cc2531', 'SYS_RESET_IND', 'ZDO_STATE_8', 'UTIL_DEVINFO_SRSP', 'AF_IN_1', 'MGMT_LQI_RSP')
+    for frame in parse(BYTES[name])
+    for more in (1, 2, 5, 16)
+]
 garbage = st.one_of(
     st.binary(max_size=40),
     st.lists(st.sampled_from([0xFE, 0xFA, 0xFF, 0x44, 0x81, 0x00, 0x2A, 0x61, 0x02]), max_size=40).map(bytes),
@@ -40,7 +47,10 @@ def test_frames_do_not_depend_on_how_the_stream_is_split(cuts):
 
 
 @properties
-@given(st.lists(st.one_of(garbage, st.sampled_from([*BYTES.values(), *REPORTS])), max_size=12), st.data())
+@given(
+    st.lists(st.one_of(garbage, st.sampled_from([*BYTES.values(), *REPORTS, *map(line_bytes, GROWN)])), max_size=12),
+    st.data(),
+)
 def test_any_stream_gives_the_same_frames_however_it_is_split(pieces, data):
     """Broken frames, noise and sound frames: what is found, and what is counted, is a matter of the bytes alone."""
     stream = b''.join(pieces)
@@ -133,6 +143,29 @@ def test_pause_ends_a_broken_frame_at_every_byte(kept):
     assert parser.counters['gaps'] == 1
 
 
+@pytest.mark.parametrize('grown', GROWN, ids=lambda frame: f'{frame.header:04X}+{len(frame.data)}')
+def test_frame_that_has_grown_with_the_firmware_counts_when_another_or_a_pause_follows(grown):
+    """However it is split, and what the command is known to hold is read from it."""
+    stream = line_bytes(grown)
+    for step in (1, 7, 300):
+        parser, frames = Parser(), []
+        for at in range(0, len(stream) + len(REPORTS[0]), step):
+            frames += parser.feed((stream + REPORTS[0])[at : at + step], 0.0)
+        assert frames == [grown, *parse(REPORTS[0])]
+    alone = Parser()
+    assert alone.feed(stream, 0.0) == []
+    assert alone.feed(b'', 1.01 * GAP_S) == [grown]
+    assert not isinstance(decode(grown), Bad)
+
+
+def test_frame_that_seems_to_have_grown_swallows_nothing():
+    """LEN is larger by 5 and the FCS happens to fit: the frame within the claimed length tells the truth."""
+    short = line_bytes(AfRegisterRsp(0))
+    body = bytes((len(short) + 1, 0x45, 0xC0, 9)) + short  # a ZDO_STATE_CHANGE_IND of 7 bytes that holds a frame
+    stream = b'\xfe' + body + bytes((fcs(body),))
+    assert parse(stream + REPORTS[0]) == [*parse(short), *parse(REPORTS[0])]
+
+
 def test_shorter_pause_ends_nothing():
     parser = Parser(gap_s=0.1)
     parser.feed(REPORTS[0][:20], 5.0)
@@ -158,7 +191,7 @@ def test_ten_million_random_bytes_do_no_harm():
                 decode(frame)
                 assert encode_frame(frame)[-1] < 256
                 found += 1
-            assert parser.held <= 254
+            assert parser.held <= 255
     assert 0 < found == parser.counters['frames']
 
 
@@ -168,7 +201,7 @@ def test_every_byte_is_accounted_for(data, step):
     parser, frames = Parser(), []
     for at in range(0, len(data), step):
         frames += parser.feed(data[at : at + step], 0.0)
-        assert parser.held <= 254
+        assert parser.held <= 255
     used = sum(len(encode_frame(frame)) for frame in frames)
     assert used + parser.counters['garbage_bytes'] + parser.held == len(data)
     assert parser.counters['frames'] == len(frames)

@@ -333,6 +333,36 @@ def test_unplug_and_replug_under_another_name(sink, host):
     assert up.counted('lost') == 1
 
 
+def comes_through(up, sink, seq):
+    """A condition: the report is said until it is heard; noise before it may have begun a frame that takes some in."""
+
+    def heard():
+        sink.say(data(seq))
+        up.received += up.session.inbox.take(0.05)
+        return seq in up.seqs
+
+    return heard
+
+
+@pytest.mark.parametrize('words', [b'', b'\xfe', data(9)[:20]], ids=['silent', 'after a start byte', 'within a frame'])
+def test_port_may_vanish_at_any_moment(sink, host, words):
+    """Before the first question, and after each one until the link is up; then it comes back and all is well."""
+    up = host(timeout=dataclasses.replace(FAST, idle=0.05))
+    for step in range(12):
+        seen = len(sink.asked)
+        sink.wait(lambda n=seen + step: len(sink.asked) >= n)
+        if words:
+            sink.say(words)
+        sink.unplug()
+        failed = up.counted('lost') + up.counted('open_failed')
+        up.until(lambda n=failed: up.counted('lost') + up.counted('open_failed') > n)
+        sink.plug()
+    already = up.events('up')
+    up.wait_up(already + 1)
+    up.until(comes_through(up, sink, 3))
+    assert up.counted('internal_errors') == 0
+
+
 def test_stale_input_is_dropped_at_opening(sink, host):
     waiting = open_port(str(sink.link), 115200, 1.0)  # someone held the port open, and read nothing
     sink.say(data(90), data(91)[:10])
@@ -410,14 +440,7 @@ def test_nothing_that_a_sink_says_breaks_the_host(sink, host, seed):
         sink.say(*sound_but_hostile(draw, 20))
         sink.say(draw.randbytes(200))
         up.received.clear()
-
-    def comes_through():
-        """What was said last may be taken for the end of a frame that noise has begun: it is said again."""
-        sink.say(data(7))
-        up.received += up.session.inbox.take(0.05)
-        return 7 in up.seqs
-
-    up.until(comes_through)
+    up.until(comes_through(up, sink, 7))
     assert up.counted('internal_errors') == 0
 
 
