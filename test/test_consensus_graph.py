@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import json
+from itertools import combinations
+
 import numpy as np
 import pytest
 from std_msgs.msg import String
@@ -29,40 +32,91 @@ def bag_of(folder, epochs):
     return path
 
 
-def halves(bag, *, settings=None, record=None, rate=0.0):
+def halves(bag, *, settings=None, record=None, evaluator=None, rate=0.0):
     """The graph of a bag with the nodes in two processes."""
     source, recording = graphs.open_bag(str(bag))
     plan = plan_consensus(source, recording.anchors, load_configuration('consensus'), settings, processes=2)
     assert [len(district) for district in plan.districts] == [5, 5]
     feed = graphs.Process('bag_player_node', 'bag_player', {'bag': str(bag), 'rate': rate})
     how = graphs.How(replay=True, settings=settings or {})
-    return plan, graphs.complete(source, [plan], feed, how, evaluator={}, record=record)
+    return plan, graphs.complete(source, [plan], feed, how, evaluator=evaluator or {}, record=record)
 
 
-@pytest.mark.parametrize('scheme', ['icf', 'flood'])
-def test_graph_equals_evaluation(tmp_path, scheme):
-    """Ten nodes in two processes give what they compute without any middleware, number by number."""
-    bag, settings = bag_of(tmp_path, 12), {'scheme': scheme, 'rounds': 5}
-    plan, graph = halves(
-        bag,
-        settings=settings,
-        record={
-            'output': str(tmp_path / 'out'),
-            'extra_topics': [f'estimate/consensus_{i}' for i in range(1, 11)],
-        },
-    )
-    run = offline(*graphs.open_bag(str(bag)), settings=settings)
-    with live.private_domain() as environment, live.started(graph, environment) as running:
-        outputs = live.wait_all(running, ['bag_player', 'evaluator', 'bag_recorder'], TIMEOUT)
-    assert 'dropped    nothing' in outputs['evaluator']
-    published = read_estimates(tmp_path / 'out')
-    assert set(published) == set(run.estimates) == set(plan.outputs)
+@pytest.fixture
+def through_graph(tmp_path):
+    """A function: so many epochs through the graph and without it, with these parameters of the nodes."""
+
+    def both(epochs, **settings):
+        bag, scores = bag_of(tmp_path, epochs), tmp_path / 'scores.json'
+        extra = [f'estimate/consensus_{i}' for i in range(1, 11)]
+        record = {'output': str(tmp_path / 'out'), 'extra_topics': extra}
+        plan, graph = halves(bag, settings=settings, record=record, evaluator={'json': str(scores)})
+        run = offline(*graphs.open_bag(str(bag)), settings=settings)
+        with live.private_domain() as environment, live.started(graph, environment) as running:
+            live.wait_all(running, ['bag_player', 'evaluator', 'bag_recorder'], TIMEOUT)
+        published = read_estimates(tmp_path / 'out')
+        assert set(published) == set(run.estimates) == set(plan.outputs)
+        return published, run, json.loads(scores.read_text('utf-8'))['input']
+
+    return both
+
+
+def check_equal(published, run):
+    """Number by number, epoch by epoch."""
     for name, estimates in published.items():
-        assert [e.request_seq for e in estimates] == list(range(12))
+        assert [e.request_seq for e in estimates] == list(range(run.epochs))
         for seen, computed in zip(estimates, run.estimates[name], strict=True):
             np.testing.assert_allclose(seen.mean, computed.mean, rtol=0.0, atol=1e-9)
             np.testing.assert_allclose(seen.covariance, computed.covariance, rtol=0.0, atol=1e-9)
             assert (seen.contributors, seen.measurements) == (computed.contributors, computed.measurements)
+
+
+def rmse(tmp_path, estimates):
+    """Of all nodes from epoch 5 on [m]."""
+    truth = graphs.open_bag(str(tmp_path / 'field'))[1].truth[1].positions[:, :2]
+    kept = [e for track in estimates.values() for e in track if e.request_seq >= 5]
+    return np.sqrt(np.mean([np.sum((e.mean[:2] - truth[e.request_seq]) ** 2) for e in kept]))
+
+
+@pytest.mark.parametrize('scheme', ['icf', 'flood'])
+def test_graph_equals_evaluation(through_graph, scheme):
+    """Ten nodes in two processes give what they compute without any middleware."""
+    published, run, dropped = through_graph(12, scheme=scheme, rounds=5)
+    check_equal(published, run)
+    assert run.dropped == dropped == {}
+
+
+def test_a_third_of_the_shares_may_be_lost_live(through_graph, tmp_path):
+    """Losses are drawn by seed, epoch, round, sender and receiver: the graph loses what the evaluation does."""
+    published, run, dropped = through_graph(20, **{'scheme': 'icf', 'rounds': 5, 'link.loss': 0.3, 'link.seed': 1})
+    check_equal(published, run)
+    assert dropped == run.dropped
+    assert set(dropped) == {'lost_share'}
+    whole = offline(*graphs.open_bag(str(tmp_path / 'field')), settings={'scheme': 'icf', 'rounds': 5})
+    assert rmse(tmp_path, published) <= 1.3 * rmse(tmp_path, whole.estimates)
+
+
+@pytest.mark.parametrize('scheme', ['icf', 'flood'])
+def test_halves_of_a_running_network_part_meet_and_agree_again(through_graph, tmp_path, scheme):
+    """From epoch 5 to 11 nothing passes x = 75 m. The halves do not wait for each other then, and run apart in time.
+
+    They are at most as far apart as the feed runs ahead, four epochs; shares that come as late as that still tell that
+    the others live, who count from the next epoch on.
+    """
+    cut = {'link.cut_at': 75.0, 'link.cut_from': 5, 'link.cut_until': 12}
+    published, _, dropped = through_graph(26, **{'scheme': scheme, 'rounds': 5, **cut})
+    assert dropped['cut_share'] > 0
+    anchors = graphs.open_bag(str(tmp_path / 'field'))[1].anchors
+    west = {int(i) for i, x in zip(anchors.ids, anchors.positions[:, 0], strict=True) if x < 75.0}
+    everyone = set(anchors.ids.tolist())
+    assert 0 < len(west) < len(everyone)
+    for name, estimates in published.items():
+        side = west if int(name.rpartition('_')[2]) in west else everyone - west
+        assert all(set(e.contributors) == side for e in estimates[5:12])
+        assert all(set(e.contributors) == everyone for e in (*estimates[:5], *estimates[20:]))
+    for k in range(20, 26):
+        together = [estimates[k] for estimates in published.values()]
+        assert max(apart(one, other) for one, other in combinations(together, 2)) < 14.0
 
 
 def apart(one, other):

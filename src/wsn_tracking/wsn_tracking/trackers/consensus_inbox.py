@@ -75,8 +75,9 @@ class Inbox:
                 self.counters['share_overflow'] += 1
         elif self._epoch[:3] != (share.target_id, share.request_seq, share.stamp_ns):
             self.counters['foreign_epoch'] += 1
-            if share.target_id == self._epoch.target_id and share.node_id not in self._cut and self._is_news(share):
-                self._heard.add(share.node_id)  # it goes through an earlier epoch only now: late, but alive
+            if share.target_id == self._epoch.target_id and self._is_news(share):
+                # it goes through an earlier epoch only now: late, but alive, unless its link was cut then
+                self._heard |= {share.node_id} - self._cut_in(share.request_seq)
         else:
             self._take(share)
 
@@ -120,10 +121,14 @@ class Inbox:
         self.counters['missing_share'] += sum((at, i) not in self._answered for i in self.active)
         return [self._shares[at, i] for i in self.active if (at, i) in self._shares]
 
+    def _cut_in(self, epoch: int) -> frozenset[int]:
+        """The neighbours that nothing comes from in an epoch."""
+        cut = is_cut(self._links, epoch, self._neighbours_x, self._x)
+        return frozenset(i for i, down in zip(self.neighbours, cut.tolist(), strict=True) if down)
+
     def _draw_faults(self, epoch: int) -> None:
         """What the simulated links will do in an epoch."""
-        cut = is_cut(self._links, epoch, self._neighbours_x, self._x)
-        self._cut = frozenset(i for i, down in zip(self.neighbours, cut.tolist(), strict=True) if down)
+        self._cut = self._cut_in(epoch)
         self._lost: frozenset[tuple[int, int]] = frozenset()
         if self._links.loss > 0.0:
             senders, rounds = np.array(self.neighbours, dtype=np.int64), np.arange(self._rounds)
