@@ -19,6 +19,7 @@ from wsn_tracking.configuration import load_configuration
 from wsn_tracking.graphs.consensus import plan_consensus
 from wsn_tracking.nodes import qos
 from wsn_tracking.offline import offline
+from wsn_tracking.sensing.values import RangeBearing
 from wsn_tracking.simulation.b_field import FieldConfig, b_field
 from wsn_tracking.simulation.record import record
 
@@ -26,9 +27,12 @@ TIMEOUT = 180.0  # [s] on a machine that does much else
 
 
 def bag_of(folder, epochs):
-    """A bag of a field of ten nodes."""
+    """A bag of a field of ten nodes; in its third epoch a node speaks that nobody knows."""
     path = folder / 'field'
-    save(path, record(b_field(FieldConfig(nodes=10, width=150.0, depth=180.0, epochs=epochs)), 3))
+    recording = record(b_field(FieldConfig(nodes=10, width=150.0, depth=180.0, epochs=epochs)), 3)
+    at = next(k for k, m in enumerate(recording.messages) if isinstance(m, RangeBearing) and m.request_seq == 2)
+    stranger = recording.messages[at]._replace(node_id=99)
+    save(path, recording._replace(messages=(*recording.messages[:at], stranger, *recording.messages[at:])))
     return path
 
 
@@ -83,7 +87,7 @@ def test_graph_equals_evaluation(through_graph, scheme):
     """Ten nodes in two processes give what they compute without any middleware."""
     published, run, dropped = through_graph(12, scheme=scheme, rounds=5)
     check_equal(published, run)
-    assert run.dropped == dropped == {}
+    assert run.dropped == dropped == {'unknown_node': 1}  # though both processes have seen it
 
 
 def test_a_third_of_the_shares_may_be_lost_live(through_graph, tmp_path):
@@ -91,7 +95,7 @@ def test_a_third_of_the_shares_may_be_lost_live(through_graph, tmp_path):
     published, run, dropped = through_graph(20, **{'scheme': 'icf', 'rounds': 5, 'link.loss': 0.3, 'link.seed': 1})
     check_equal(published, run)
     assert dropped == run.dropped
-    assert set(dropped) == {'lost_share'}
+    assert set(dropped) == {'lost_share', 'unknown_node'}
     whole = offline(*graphs.open_bag(str(tmp_path / 'field')), settings={'scheme': 'icf', 'rounds': 5})
     assert rmse(tmp_path, published) <= 1.3 * rmse(tmp_path, whole.estimates)
 

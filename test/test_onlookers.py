@@ -3,11 +3,8 @@
 from __future__ import annotations
 
 import contextlib
-import importlib
 import io
-import json
 import os
-import re
 import signal
 import subprocess
 import sys
@@ -15,12 +12,11 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-import yaml
-from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
 from visualization_msgs.msg import Marker, MarkerArray
 from wsn_tracking_msgs.msg import TargetEstimate, TriggerReport
 
 import live
+import viewers
 from observer import observing
 from wsn_tracking import graphs
 from wsn_tracking.bags.read import read
@@ -32,8 +28,8 @@ from wsn_tracking.nodes import convert, markers, qos
 TIMEOUT = 30.0  # [s]
 RATE = 25.0
 TRACK = 30  # epochs
-RVIZ = live.ROOT / 'src' / 'wsn_tracking' / 'rviz' / 'random_q.rviz'
-FOXGLOVE = live.ROOT / 'docs' / 'foxglove' / 'wsn_tracking.json'
+RVIZ = viewers.RVIZ / 'random_q.rviz'
+FOXGLOVE = viewers.FOXGLOVE / 'wsn_tracking.json'
 
 
 class File:
@@ -280,13 +276,8 @@ def test_a_window_is_drawn_again_and_again_until_it_is_closed():
 # ---- RViz and Foxglove
 
 
-def rviz_displays():
-    content = yaml.safe_load(RVIZ.read_text('utf-8'))
-    return content, [d for d in content['Visualization Manager']['Displays'] if 'Topic' in d]
-
-
 def test_rviz_file_has_the_parts_that_rviz_reads():
-    content, displays = rviz_displays()
+    content, displays = viewers.rviz_displays(RVIZ)
     manager = content['Visualization Manager']
     assert manager['Global Options']['Fixed Frame'] == convert.FRAME
     assert {d['Topic']['Value'] for d in displays} == {
@@ -302,54 +293,20 @@ def test_rviz_file_has_the_parts_that_rviz_reads():
         assert display['Enabled'] is display['Value'] is True
 
 
-KINDS = {
-    'rviz_default_plugins/MarkerArray': 'visualization_msgs/msg/MarkerArray',
-    'rviz_default_plugins/Odometry': 'nav_msgs/msg/Odometry',
-}
-
-
 def test_rviz_topics_are_offered_with_their_type_and_a_quality_that_suits(seen):
-    """A reliable subscriber hears nothing of a best-effort publisher, nor one that wants the past of a volatile one."""
-    for display in rviz_displays()[1]:
-        asked = display['Topic']
-        there = seen.topics['/' + asked['Value']]
-        assert there.kinds == [KINDS[display['Class']]]
-        for offer in there.offers:
-            if asked['Reliability Policy'] == 'Reliable':
-                assert offer.reliability == ReliabilityPolicy.RELIABLE
-            if asked['Durability Policy'] == 'Transient Local':
-                assert offer.durability == DurabilityPolicy.TRANSIENT_LOCAL
+    viewers.check_rviz_topics(RVIZ, seen.topics)
 
 
 def test_viewers_name_the_namespaces_that_are_published(seen):
     moving = {marker.ns for array in seen.arrays for marker in array.markers}
     fixed = {marker.ns for marker in seen.anchors.markers if marker.ns}
-    nodes, markers = (d['Namespaces'] for d in rviz_displays()[1][:2])
-    assert (set(nodes), set(markers)) == (fixed, moving)
-    topics = foxglove()['configById']['3D!map']['topics']
-    assert set(topics['/anchor_markers']['namespaces']) == fixed
-    assert {name: one['visible'] for name, one in topics['/markers']['namespaces'].items()} == markers
+    viewers.check_namespaces(RVIZ, FOXGLOVE, fixed, moving)
 
 
-def foxglove():
-    return json.loads(FOXGLOVE.read_text('utf-8'))
-
-
-def placed(node):
-    """Panels of a layout tree, tabs opened."""
-    if isinstance(node, str):
-        yield node
-        for tab in foxglove()['configById'][node].get('tabs', ()):
-            yield from placed(tab['layout'])
-    else:
-        assert node['direction'] in {'row', 'column'}
-        yield from placed(node['first'])
-        yield from placed(node['second'])
-
-
-def test_foxglove_layout_places_every_panel_once():
-    layout = foxglove()
-    assert sorted(placed(layout['layout'])) == sorted(layout['configById'])
+@pytest.mark.parametrize('name', ['wsn_tracking.json', 'consensus.json'])
+def test_foxglove_layout_places_every_panel_once(name):
+    layout = viewers.layout(viewers.FOXGLOVE / name)
+    assert sorted(viewers.placed(layout, layout['layout'])) == sorted(layout['configById'])
     assert {name.partition('!')[0] for name in layout['configById']} == {
         '3D',
         'DiagnosticStatusPanel',
@@ -360,28 +317,5 @@ def test_foxglove_layout_places_every_panel_once():
     }
 
 
-def paths(value):
-    """Topics and message paths in a layout."""
-    if isinstance(value, dict):
-        for key, inner in value.items():
-            if key in {'topicToRender', 'topicPath'} or (key == 'value' and isinstance(inner, str)):
-                yield inner
-            elif key == 'topics':
-                yield from inner
-            else:
-                yield from paths(inner)
-    elif isinstance(value, list):
-        for inner in value:
-            yield from paths(inner)
-
-
 def test_foxglove_paths_lead_through_messages_of_the_graph(seen):
-    every = list(paths(foxglove()))
-    assert len(every) > 10
-    for path in every:
-        topic, *fields = re.sub(r'\{.*?\}|\[[-:\d]*\]', '', path).split('.')
-        (kind,) = seen.topics[topic].kinds
-        for field in fields:
-            package, _, name = kind.rpartition('/')
-            message = getattr(importlib.import_module(f'{package.partition("/")[0]}.msg'), name)
-            kind = re.sub(r'sequence<(.*?)>', r'\1', message.get_fields_and_field_types()[field])
+    viewers.check_foxglove_paths(FOXGLOVE, seen.topics)

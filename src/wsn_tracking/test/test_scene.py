@@ -10,7 +10,7 @@ from wsn_tracking.errors import TrackingError
 from wsn_tracking.evaluation import plot_style
 from wsn_tracking.evaluation.ellipses import CHI2_95, ellipse, known
 from wsn_tracking.evaluation.live_legend import label
-from wsn_tracking.evaluation.node_states import LOOKS, SENT, UNREPORTED, look, rgb
+from wsn_tracking.evaluation.node_states import ARRIVED, LOOKS, LOST, SENT, UNREPORTED, look, rgb
 from wsn_tracking.evaluation.scene import TRUTHS_PER_EPOCH, Scene, Trail, pick
 from wsn_tracking.models.anchors import make_anchors
 from wsn_tracking.sensing.values import Reason, TriggerReport
@@ -56,9 +56,9 @@ def test_an_estimate_without_a_definite_covariance_has_no_ellipse():
 
 
 def test_every_reason_and_sent_has_a_colour_and_words_of_its_own():
-    assert set(LOOKS) == {SENT, *Reason}
+    assert set(LOOKS) == {SENT, ARRIVED, LOST, *Reason}
     looks = [*LOOKS.values(), UNREPORTED]
-    assert len({one.color for one in looks}) == len({one.words for one in looks}) == len(Reason) + 2
+    assert len({one.color for one in looks}) == len({one.words for one in looks}) == len(Reason) + 4
     assert all(0.0 <= part <= 1.0 for one in looks for part in rgb(one.color))
     assert look(200).words == 'reason 200'
 

@@ -1,7 +1,8 @@
 """The long runs of the real graph: `python -m wsn_tracking.live_study -o docs/results`.
 
 Parity: a replay gives what the evaluator computes, bit for bit, at every rate, repeated. Soak: a radio field at 20 Hz
-for a minute, with the timeouts of a live network. Each graph runs alone in its ROS domain: set ROS_DOMAIN_ID where
+for a minute, with the timeouts of a live network. Consensus: how long 50 nodes of system B take to agree, T = 1 s, and
+whether they agree on what the evaluator computes. Each graph runs alone in its ROS domain: set ROS_DOMAIN_ID where
 others are about.
 """
 
@@ -12,9 +13,11 @@ import contextlib
 import io
 import json
 import os
+import subprocess
+import sys
 import tempfile
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -26,14 +29,22 @@ from wsn_tracking.bags.save import save
 from wsn_tracking.files import write_whole
 from wsn_tracking.offline import offline
 from wsn_tracking.processes import run_graph
+from wsn_tracking.sensing.recording import Recording
 from wsn_tracking.simulation.record import record
 from wsn_tracking.simulation.scenario import Scenario
 from wsn_tracking.simulation.scenarios import scenario
+from wsn_tracking.trackers.estimate import Estimate
 
 COMMAND = 'python -m wsn_tracking.live_study -o docs/results'
 REPEATS = 20
 RATES = ((1.0, 10), (20.0, 120), (0.0, 120))  # rate (0: as fast as it goes), epochs
 SOAK_HZ, SOAK_S = 20.0, 60.0
+QUANTILES = {'median': 0.5, 'q95': 0.95, 'longest': 1.0}
+SCHEMES = (('flood', 5), ('icf', 20))  # of system B, and their rounds
+FIRST, IN_TIME_S = (
+    2,
+    0.8,
+)  # epoch from which on time is taken (all has been read from disk by then), and how much there is
 
 
 def parity(repeats: int = REPEATS) -> dict[str, Any]:
@@ -85,6 +96,59 @@ def soak() -> dict[str, Any]:
     }
 
 
+def consensus(bag: str = 'bags/b_field') -> dict[str, Any]:
+    """50 nodes in four processes, T = 1 s, live timeouts: from a request to the last estimate, and what differs.
+
+    Other load on the machine counts as well: `load` is what it was (processes that want to run, at begin and end).
+    """
+    source, recording = graphs.open_bag(bag)
+    return {'cores': os.cpu_count(), 'rows': [_agreement(bag, source, recording, *scheme) for scheme in SCHEMES]}
+
+
+def _agreement(bag: str, source: graphs.Source, recording: Recording, scheme: str, rounds: int) -> dict[str, Any]:
+    settings = {'scheme': scheme, 'rounds': rounds}
+    run = offline(source, recording, settings=settings)
+    ids = recording.anchors.ids.tolist()
+    live = {'lossless': False, 'loss_timeout': 0.5, 'round_timeout': 0.6 / rounds}
+    before = os.getloadavg()[0]
+    with tempfile.TemporaryDirectory() as folder:
+        recorder = {'output': str(Path(folder, 'out')), 'extra_topics': [f'estimate/consensus_{i}' for i in ids]}
+        words = [sys.executable, '-m', 'wsn_tracking.nodes.consensus_timing', *map(str, [run.epochs, *ids])]
+        with subprocess.Popen(words, stdout=subprocess.PIPE, text=True) as timing:
+            _quietly(
+                graphs.replay(bag, rate=1.0, settings={**settings, **live}, record=recorder),
+                ['evaluator', 'bag_recorder'],
+            )
+            try:
+                said, _ = timing.communicate(timeout=10.0)
+            except subprocess.TimeoutExpired:  # some estimate has never come
+                timing.kill()
+                said = '[]'
+        published = read_estimates(Path(folder, 'out'))
+    took = np.array(json.loads(said)[FIRST:])
+    return {
+        'scheme': scheme,
+        'rounds': rounds,
+        'epochs': took.size,
+        'over': int(np.sum(took > IN_TIME_S)),
+        **{f'{name}_s': round(float(np.quantile(took, q)), 3) for name, q in QUANTILES.items() if took.size},
+        'compared': sum(map(len, run.estimates.values())),
+        'differing': sum(_differing(published.get(name, ()), all_) for name, all_ in run.estimates.items()),
+        'load': [round(before, 1), round(os.getloadavg()[0], 1)],
+    }
+
+
+def _differing(published: Sequence[Estimate], computed: Sequence[Estimate]) -> int:
+    """Estimates that never came, or differ by more than 1e-9."""
+    there = {e.request_seq: e for e in published}
+    return sum(
+        seen is None
+        or not np.allclose(seen.mean, e.mean, rtol=0.0, atol=1e-9)
+        or not np.allclose(seen.covariance, e.covariance, rtol=0.0, atol=1e-9)
+        for e, seen in ((e, there.get(e.request_seq)) for e in computed)
+    )
+
+
 def _first(whole: Scenario, epochs: int) -> Scenario:
     return whole._replace(truth=whole.truth[:epochs])
 
@@ -102,7 +166,7 @@ def _quietly(graph: tuple[graphs.Process, ...], last: list[str]) -> int:
         return run_graph(graph, last)
 
 
-STUDIES: Mapping[str, Any] = {'parity': parity, 'soak': soak}
+STUDIES: Mapping[str, Any] = {'parity': parity, 'soak': soak, 'consensus': consensus}
 
 
 def main() -> None:

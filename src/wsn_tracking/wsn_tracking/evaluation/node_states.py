@@ -8,6 +8,7 @@ from typing import NamedTuple
 from wsn_tracking.sensing.values import Reason
 
 SENT = 0  # beside the reasons of silence, which begin at 1
+ARRIVED, LOST = -1, -2  # of a node of system B: whether it takes what it read for an observation
 
 
 class Look(NamedTuple):
@@ -27,12 +28,14 @@ LOOKS: Mapping[int, Look] = {
     Reason.NOT_HEARD: Look('#d0d0d0', 'not heard'),
     Reason.INVALID: Look('#e69f00', 'invalid'),
     Reason.ON_BOARD: Look('#f0e442', 'silent (decided on board)'),
+    ARRIVED: Look('#117733', 'observation arrived'),
+    LOST: Look('#882255', 'observation lost'),
 }
 UNREPORTED = Look('#ffffff', 'no report')
 
 
 def look(state: int | None) -> Look:
-    """The look of SENT, of a Reason, or of a node that nothing is known of."""
+    """The look of SENT, of a Reason, of ARRIVED or LOST, or of a node that nothing is known of."""
     if state is None:
         return UNREPORTED
     return LOOKS.get(state, Look('#000000', f'reason {state}'))

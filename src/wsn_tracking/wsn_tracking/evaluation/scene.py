@@ -10,12 +10,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wsn_tracking.evaluation.node_states import SENT
+from wsn_tracking.evaluation.node_states import ARRIVED, LOST, SENT
 from wsn_tracking.models.anchors import Anchors, Floats
 from wsn_tracking.sensing.values import TriggerReport
+from wsn_tracking.trackers.consensus_report import ConsensusReport
 from wsn_tracking.trackers.estimate import Estimate
 
 TRUTHS_PER_EPOCH = 4  # a truth of 100 Hz is not drawn sample by sample
+LIKELY = 0.5  # probability from which on an observation is taken to have arrived
 NEW_RUN_NS = 1_000_000_000  # stamps that fall back by more begin a new run, as everywhere
 
 
@@ -35,6 +37,14 @@ class Trail(NamedTuple):
     positions: Floats
 
 
+class Links(NamedTuple):
+    """The network of a target's latest epoch: whose shares were used by whom, and who can reach each other."""
+
+    target_id: int
+    pairs: tuple[tuple[int, int], ...]  # of ids, the lower first, ascending
+    components: tuple[tuple[int, ...], ...]  # ids, the largest component first
+
+
 class Scene:
     """Holds at most `length` epochs; `version` counts what came, so that nothing is drawn twice."""
 
@@ -45,7 +55,8 @@ class Scene:
         self._estimates: dict[tuple[str, int], deque[Estimate]] = {}
         self._truths: dict[int, deque[tuple[int, Floats]]] = {}
         self._nodes: dict[int, dict[int, tuple[int, int]]] = {}  # target -> node -> request_seq, state
-        self._reported: dict[int, TriggerReport] = {}  # latest of each target
+        self._reported: dict[int, TriggerReport | ConsensusReport] = {}  # latest of each target
+        self._networks: dict[int, dict[int, tuple[int, int, tuple[int, ...]]]] = {}  # node -> seq, component, heard
 
     def add_anchors(self, anchors: Anchors) -> None:
         """A (new) table."""
@@ -76,15 +87,33 @@ class Scene:
 
     def add_report(self, report: TriggerReport) -> None:
         """What sensing nodes did in an epoch; several reports may tell of one epoch."""
-        before = self._reported.get(report.target_id)
-        if before is not None and report.stamp_ns < before.stamp_ns - NEW_RUN_NS:
-            self._nodes.pop(report.target_id)
-        self._reported[report.target_id] = report
-        nodes = self._nodes.setdefault(report.target_id, {})
+        nodes = self._reported_by(report)
         nodes.update(dict.fromkeys(report.sent_ids, (report.request_seq, SENT)))
         for node, reason in zip(report.silent_ids, report.reasons, strict=True):
             nodes[node] = (report.request_seq, reason)
         self.version += 1
+
+    def add_consensus(self, report: ConsensusReport) -> None:
+        """How nodes of system B came out of an epoch; several reports may tell of one epoch."""
+        nodes, seq = self._reported_by(report), report.request_seq
+        network = self._networks.setdefault(report.target_id, {})
+        heard: dict[int, list[int]] = {node: [] for node in report.node_ids}
+        for sender, receiver in zip(report.link_senders, report.link_receivers, strict=True):
+            heard.setdefault(receiver, []).append(sender)
+        told = zip(report.node_ids, report.arrival_probabilities, report.components, strict=True)
+        for node, probability, component in told:
+            nodes[node] = (seq, ARRIVED if probability >= LIKELY else LOST)
+            network[node] = (seq, component, tuple(heard[node]))
+        self.version += 1
+
+    def _reported_by(self, report: TriggerReport | ConsensusReport) -> dict[int, tuple[int, int]]:
+        """The states of a report's target; those of an earlier run are forgotten."""
+        before = self._reported.get(report.target_id)
+        if before is not None and report.stamp_ns < before.stamp_ns - NEW_RUN_NS:
+            self._nodes.pop(report.target_id)
+            self._networks.pop(report.target_id, None)
+        self._reported[report.target_id] = report
+        return self._nodes.setdefault(report.target_id, {})
 
     def forget(self, name: str) -> None:
         """An output is not shown any more."""
@@ -115,6 +144,21 @@ class Scene:
                 if newest - seq <= 1 and states.get(node) != SENT:
                     states[node] = state
         return states
+
+    @property
+    def links(self) -> tuple[Links, ...]:
+        """The network of every target, by target, of the nodes that told of this epoch or the one before."""
+        every = []
+        for target, network in sorted(self._networks.items()):
+            newest = self._reported[target].request_seq
+            fresh = {node: row for node, row in network.items() if newest - row[0] <= 1}
+            pairs = {(min(i, j), max(i, j)) for j, (_, _, heard) in fresh.items() for i in heard}
+            groups: dict[int, list[int]] = {}
+            for node, (_, component, _) in sorted(fresh.items()):
+                groups.setdefault(component, []).append(node)
+            components = sorted(map(tuple, groups.values()), key=lambda group: (-len(group), group))
+            every.append(Links(target, tuple(sorted(pairs)), tuple(components)))
+        return tuple(every)
 
     @property
     def reported_ns(self) -> int:

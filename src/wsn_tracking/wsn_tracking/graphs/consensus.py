@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -58,6 +58,11 @@ class ConsensusPlan(NamedTuple):
     def inputs(self) -> tuple[str, ...]:
         """What the evaluator takes besides estimates."""
         return ()
+
+    @property
+    def drawn(self) -> Collection[str]:
+        """The outputs that markers show: of one node, since they agree."""
+        return tuple(self.outputs)[:1]
 
     def processes(self, source: Source, how: How) -> list[Process]:
         """A process for each district, or for each node.

@@ -99,6 +99,10 @@ class Plan(Protocol):
     def inputs(self) -> tuple[str, ...]:
         """What the evaluator takes besides estimates."""
 
+    @property
+    def drawn(self) -> Collection[str]:
+        """Those outputs that markers show."""
+
     def processes(self, source: Source, how: How) -> list[Process]:
         """The processes that track."""
 
@@ -177,7 +181,7 @@ def complete(
         gives=('anchors', *source.topics),
     )
     # who only looks on is neither waited for nor told whom to expect
-    drawn = {**parameters, 'outputs': list(outputs)}
+    drawn = {**parameters, 'outputs': [name for plan in plans for name in plan.drawn]}
     onlookers = [Process('marker_node', 'markers', drawn)] if markers else []
     return _matched([*processes, *onlookers, feed])
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from wsn_tracking.configuration import Configuration
@@ -53,6 +53,11 @@ class RandomQPlan(NamedTuple):
     def inputs(self) -> tuple[str, ...]:
         """What the evaluator takes besides estimates."""
         return ('trigger_report',)
+
+    @property
+    def drawn(self) -> Collection[str]:
+        """The outputs that markers show."""
+        return self.outputs
 
     def processes(self, source: Source, how: How) -> list[Process]:
         """Sensing nodes, in one process or one each, and estimators."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import Any, NamedTuple
 
 from wsn_tracking.configuration import Configuration
@@ -52,6 +52,11 @@ class SinglePlan(NamedTuple):
     def inputs(self) -> tuple[str, ...]:
         """What the evaluator takes besides estimates."""
         return ()
+
+    @property
+    def drawn(self) -> Collection[str]:
+        """The outputs that markers show."""
+        return self.outputs
 
     def processes(self, source: Source, how: How) -> list[Process]:
         """The node."""

@@ -11,7 +11,7 @@ from wsn_tracking_msgs import msg
 
 from wsn_tracking.models.anchors import Anchors
 from wsn_tracking.node_parameters.consensus import ConsensusNodeConfig
-from wsn_tracking.nodes import convert, qos
+from wsn_tracking.nodes import convert, convert_consensus, qos
 from wsn_tracking.nodes.assembly import Assembly
 from wsn_tracking.nodes.base import TrackingNode, run
 from wsn_tracking.nodes.health import Health, neighbours, worst
@@ -19,6 +19,7 @@ from wsn_tracking.nodes.inputs import take_measurements
 from wsn_tracking.sensing.values import Epoch, EpochEnd
 from wsn_tracking.trackers.consensus_group import ConsensusGroup
 from wsn_tracking.trackers.consensus_node import ConsensusNode
+from wsn_tracking.trackers.consensus_report import Outcome, report_of
 from wsn_tracking.trackers.consensus_share import Share
 from wsn_tracking.trackers.estimate import Estimate
 
@@ -36,11 +37,12 @@ class ConsensusProcess(TrackingNode[ConsensusNodeConfig]):
         self.config.checked()
         self._group: ConsensusGroup | None = None
         self._epoch = -1
-        self._finished: dict[int, int] = {}  # nodes by the epoch that they have finished last
+        self._outcomes: dict[int, dict[int, Outcome]] = {}  # of the nodes that have finished an epoch, by its number
         self._begun: dict[int, float] = {}  # steady time at which an epoch's input was complete
         self._took = self._longest = 0.0
         self._shares: dict[int, Any] = {}
         self._estimates: dict[int, tuple[Any, Any]] = {}
+        self._reports = self.create_publisher(msg.ConsensusReport, 'consensus_report', qos.MEASUREMENTS)
         self._assembly = Assembly(self, self.config, self._begin, self._anew)
         self._inputs = ('observation', 'range') if self.config.input == 'auto' else (self.config.input,)
         for topic in self._inputs:
@@ -110,12 +112,19 @@ class ConsensusProcess(TrackingNode[ConsensusNodeConfig]):
         outputs[0].publish(convert.estimate_message(estimate))
         if outputs[1].get_subscription_count():
             outputs[1].publish(convert.odometry_message(estimate, self.config.target_height))
-        self._finished[node] = estimate.request_seq
-        if all(self._finished.get(i) == estimate.request_seq for i in self._estimates):
-            self._close(estimate.request_seq)
+        assert self._group is not None  # it has just said this
+        outcomes = self._outcomes.setdefault(estimate.request_seq, {})
+        outcomes[node] = self._group.nodes[node].outcome
+        if len(outcomes) == len(self._estimates):
+            self._close(estimate)
 
-    def _close(self, seq: int) -> None:
+    def _close(self, last: Estimate) -> None:
         """Every node here has finished an epoch."""
+        seq = last.request_seq
+        outcomes = self._outcomes.pop(seq).values()
+        if self._reports.get_subscription_count():
+            report = report_of(last.stamp_ns, last.target_id, seq, outcomes)
+            self._reports.publish(convert_consensus.report_message(report))
         self._epoch = seq
         self._took = time.monotonic() - self._begun.pop(seq)
         self._longest = max(self._longest, self._took)
@@ -127,7 +136,7 @@ class ConsensusProcess(TrackingNode[ConsensusNodeConfig]):
         if self._group is not None:
             self._group.reset()
         self._begun.clear()
-        self._finished.clear()
+        self._outcomes.clear()
 
     def _silent(self) -> list[int]:
         nodes = {} if self._group is None else self._group.nodes

@@ -21,6 +21,7 @@ from wsn_tracking.models.anchors import Floats
 from wsn_tracking.node_parameters.listeners import EvaluatorConfig
 from wsn_tracking.nodes import convert, qos
 from wsn_tracking.nodes.base import Finished, TrackingNode, run
+from wsn_tracking.nodes.dropped import dropped_input
 from wsn_tracking.nodes.health import Health, truth, worst
 from wsn_tracking.sensing.recording import Truth
 from wsn_tracking.sensing.values import EpochEnd, TriggerReport
@@ -164,32 +165,10 @@ class EvaluatorNode(TrackingNode[EvaluatorConfig]):
             next(iter(self._ends)) if len(self._ends) == 1 else None,
             sum(map(len, self._ends.values())),
             scores,
-            self._dropped(),
+            dropped_input(self._told.values(), several_targets=len(self._ends) > 1),
             traffic(self._reports),
             self.config.skip,
         )
-
-    def _dropped(self) -> dict[str, int]:
-        """Input that was not used, as told last: by the feed, and by whichever system dropped most for that reason.
-
-        Within a system it adds up; but estimators that hear the same nodes drop the same input, which counts once.
-        """
-        alike: dict[tuple[str, str], Counter[str]] = {}  # by system and by what is heard
-        for name, values in self._told.items():
-            dropped = Counter({k[8:]: int(v) for k, v in values.items() if k.startswith('dropped.')})
-            key = values.get('system', ''), values.get('hears', name)
-            alike[key] = alike.get(key, Counter()) | dropped
-        systems: dict[str, Counter[str]] = {}
-        for (system, _), dropped in alike.items():
-            systems.setdefault(system, Counter()).update(dropped)
-        counts = systems.pop('', Counter())
-        worst: Counter[str] = Counter()
-        for dropped in systems.values():
-            worst |= dropped
-        counts.update(worst)
-        if len(self._ends) > 1:
-            del counts['other_target']  # another system follows it
-        return {reason: n for reason, n in counts.items() if n}
 
     def health(self) -> Health:
         """Requests that stopped, estimates that cannot be scored."""

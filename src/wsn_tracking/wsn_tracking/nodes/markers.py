@@ -19,6 +19,7 @@ from wsn_tracking.nodes.convert import header
 SHARE = 0.018  # size of a node in the extent of all of them
 SMALLEST = 0.02  # [m]
 ELLIPSE_POINTS = 41
+WHOLE = '#c8c8c8'  # the largest component
 
 
 def node_size(anchors: Anchors | None) -> float:
@@ -49,7 +50,7 @@ def scene_markers(scene: Scene, colors: dict[str, str], size: float, height: flo
     Each marker has the stamp of the newest thing in it. colors: of each output, extended here in the order of
     appearance; height [m] at which estimates are drawn.
     """
-    markers = _nodes(scene, size)
+    markers = [*_components(scene, size), *_links(scene, size), *_nodes(scene, size)]
     for track in scene.tracks:
         color = colors.setdefault(track.name, COLOURS[len(colors) % len(COLOURS)])
         markers += _track(track, color, size, height)
@@ -82,6 +83,49 @@ def _nodes(scene: Scene, size: float) -> list[Marker]:
     marker.points = _points(scene.anchors.positions, 0.0)
     marker.colors = [_color(look(states.get(node)).color) for node in scene.anchors.ids.tolist()]
     return [marker]
+
+
+def _links(scene: Scene, size: float) -> list[Marker]:
+    """A line for every link over which something was used, in the colour of its component."""
+    markers = []
+    for links in scene.links if scene.anchors is not None else ():
+        colors = {node: _component_color(rank) for rank, group in enumerate(links.components) for node in group}
+        line = _marker(
+            header(scene.reported_ns), 'links', links.target_id, Marker.LINE_LIST, MUTED, (0.1 * size, 0.0, 0.0)
+        )
+        for pair in links.pairs:
+            ends = _places(scene, pair)
+            if len(ends) == len(pair):
+                line.points += ends
+                line.colors += [_color(colors.get(pair[1], colors.get(pair[0], MUTED)))] * 2
+        markers.append(_shown(line))
+    return markers
+
+
+def _components(scene: Scene, size: float) -> list[Marker]:
+    """A wide disc under every living node, in the colour of the component that it is in."""
+    markers = []
+    for links in scene.links if scene.anchors is not None else ():
+        flat = (2.6 * size, 2.6 * size, 0.1 * size)
+        disc = _marker(header(scene.reported_ns), 'components', links.target_id, Marker.SPHERE_LIST, MUTED, flat)
+        for rank, group in enumerate(links.components):
+            places = _places(scene, group)
+            disc.points += places
+            disc.colors += [_color(_component_color(rank))] * len(places)
+        markers.append(disc)
+    return markers
+
+
+def _component_color(rank: int) -> str:
+    """The largest component is grey; a network that has fallen apart shows in colours."""
+    return COLOURS[(rank - 1) % len(COLOURS)] if rank else WHOLE
+
+
+def _places(scene: Scene, nodes: Sequence[int]) -> list[Point]:
+    """Where nodes are, those that the table knows."""
+    assert scene.anchors is not None  # whoever draws has looked
+    rows = scene.anchors.rows(nodes)
+    return _points(scene.anchors.positions[rows[rows >= 0]], 0.0)
 
 
 def _track(track: Track, color: str, size: float, height: float) -> list[Marker]:

@@ -14,8 +14,9 @@ from wsn_tracking_msgs import msg
 from wsn_tracking.bags.types import truth_target
 from wsn_tracking.evaluation.scene import Scene
 from wsn_tracking.models.anchors import Anchors
-from wsn_tracking.nodes import convert, qos
+from wsn_tracking.nodes import convert, convert_consensus, qos
 from wsn_tracking.sensing.values import TriggerReport
+from wsn_tracking.trackers.consensus_report import ConsensusReport
 from wsn_tracking.trackers.estimate import Estimate
 
 LOOK_EVERY = 0.5  # [s] steady time
@@ -35,6 +36,7 @@ class Scenery:
         self._targets: set[int] = set()
         take(msg.Anchors, 'anchors', convert.anchors_value, self._anchors, qos.LATCHED_LAST)
         take(msg.TriggerReport, 'trigger_report', convert.report_value, self._report, qos.DISPLAY)
+        take(msg.ConsensusReport, 'consensus_report', convert_consensus.report_value, self._consensus, qos.DISPLAY)
         self._look_around()
         node.create_timer(LOOK_EVERY, self._look_around)
 
@@ -78,3 +80,6 @@ class Scenery:
 
     def _report(self, report: TriggerReport, now: float) -> None:
         self.scene.add_report(report)
+
+    def _consensus(self, report: ConsensusReport, now: float) -> None:
+        self.scene.add_consensus(report)

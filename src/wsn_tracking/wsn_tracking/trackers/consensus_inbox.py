@@ -40,6 +40,7 @@ class Inbox:
         self._shares: dict[tuple[int, int], Share] = {}  # by round and node
         self._answered: set[tuple[int, int]] = set()  # what has come, of use or not
         self._heard: set[int] = set()
+        self._used: set[int] = set()
         self._latest: dict[int, tuple[int, int]] = {}  # stamp and round in which a neighbour has spoken last
         self._ahead: list[Share] = []
 
@@ -53,7 +54,7 @@ class Inbox:
             self._silent = {i: 0 if i in self._heard else n + 1 for i, n in self._silent.items()}
         self.active = tuple(i for i in self.neighbours if self._silent[i] < self._silent_epochs)
         self._epoch, self._round = epoch, 0
-        self._shares, self._answered, self._heard = {}, set(), set()
+        self._shares, self._answered, self._heard, self._used = {}, set(), set(), set()
         self._draw_faults(epoch.request_seq)
         held, self._ahead = self._ahead, []
         for share in held:
@@ -119,7 +120,14 @@ class Inbox:
         """The round's shares, ascending by node; what comes later is late."""
         at, self._round = self._round, self._round + 1
         self.counters['missing_share'] += sum((at, i) not in self._answered for i in self.active)
-        return [self._shares[at, i] for i in self.active if (at, i) in self._shares]
+        shares = [self._shares[at, i] for i in self.active if (at, i) in self._shares]
+        self._used.update(share.node_id for share in shares)
+        return shares
+
+    @property
+    def used(self) -> tuple[int, ...]:
+        """Neighbours of whom a share was used in this epoch, ascending."""
+        return tuple(sorted(self._used))
 
     def _cut_in(self, epoch: int) -> frozenset[int]:
         """The neighbours that nothing comes from in an epoch."""

@@ -25,6 +25,7 @@ from wsn_tracking.sensing.values import Epoch
 from wsn_tracking.trackers.consensus import Local, local_step, posterior
 from wsn_tracking.trackers.consensus_config import ConsensusConfig, loss_model_of, noise_of, prior_of
 from wsn_tracking.trackers.consensus_inbox import Inbox
+from wsn_tracking.trackers.consensus_report import Outcome
 from wsn_tracking.trackers.consensus_rounds import Averaging, Flooding, Rounds
 from wsn_tracking.trackers.consensus_share import Share, bitmap, ids_of, to_bytes
 from wsn_tracking.trackers.estimate import Estimate, Kind
@@ -86,6 +87,12 @@ class ConsensusNode:
         self._bits = 0
         self.arrival_probability = self.config.arrival.start
         self.disagreement = float('nan')
+        self._known: tuple[int, ...] = (self.node_id,)
+
+    @property
+    def outcome(self) -> Outcome:
+        """How the node came out of the epoch that it has finished last."""
+        return Outcome(self.node_id, self.arrival_probability, self.disagreement, self._known, self.inbox.used)
 
     def begin(self, epoch: Epoch) -> Share | None:
         """Predict to the epoch and weigh what was read; the first round's share, None where there are no rounds."""
@@ -131,7 +138,7 @@ class ConsensusNode:
         self.disagreement = self._moved(self._scheme.finish(local.prior, rounds.before, before, after))
         self.arrival_probability = float(local.mu)
         self._mu, self._live = kept(local.mu), float(len(live))
-        self._now = None
+        self._now, self._known = None, live
         return Estimate(
             epoch.stamp_ns,
             epoch.target_id,
