@@ -19,13 +19,13 @@ import numpy as np
 from wsn_tracking import graphs
 from wsn_tracking.bags.epochs import with_epoch_ends
 from wsn_tracking.bags.importing import mrclam as importing
-from wsn_tracking.configuration import ConsensusNodeConfig
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.evaluation import study
 from wsn_tracking.evaluation.intermittent import FOUND_WITHIN_S, at_instants, found_again, heard_of
 from wsn_tracking.evaluation.run import Run
-from wsn_tracking.graphs_consensus import ConsensusPlan
+from wsn_tracking.graphs.consensus import ConsensusPlan
 from wsn_tracking.models.graph import adjacency, diameter, is_connected
+from wsn_tracking.node_parameters.consensus import ConsensusNodeConfig
 from wsn_tracking.offline import offline
 from wsn_tracking.parameters import build
 from wsn_tracking.real_radio.sets import Set, find
@@ -55,7 +55,7 @@ def judge(run: Run, recording: Recording, target_id: int) -> dict[str, float]:
 
 def robots(source: graphs.Source, recording: Recording) -> dict[str, Any]:
     """Every robot: median errors at 10 Hz instants with a range in the last 2 s, and 10 s after it could be found."""
-    plan = graphs.plan_of(source, recording, configuration=CONFIGURATION)
+    (plan,) = graphs.plans_of(source, recording.anchors, configuration=CONFIGURATION)
     assert isinstance(plan, ConsensusPlan)  # of a configuration of system B
     config = build(ConsensusNodeConfig, plan.values)
     graph = adjacency(recording.anchors.positions, config.radius)

@@ -11,10 +11,11 @@ import numpy as np
 
 from wsn_tracking.filters.ancestry import Ancestry
 from wsn_tracking.filters.particle import moments
-from wsn_tracking.filters.start import Area, area_of
+from wsn_tracking.filters.start import area_of
 from wsn_tracking.models.anchors import Anchors, Floats
 from wsn_tracking.models.body_likelihood import Readings
 from wsn_tracking.models.draws import Stream
+from wsn_tracking.models.region import region_of
 from wsn_tracking.models.walk import PLANAR, PSI, YAW, Inside
 from wsn_tracking.sensing.values import Epoch
 from wsn_tracking.trackers.estimate import Estimate, Kind
@@ -47,8 +48,10 @@ class HumanTracker:
         self.anchors = anchors
         self.outputs: tuple[str, ...] = ('human', 'human_lag') if config.lag else ('human',)
         self.counters: Counter[str] = Counter()
-        area: Area = (*config.area,) if config.area else area_of(anchors)  # type: ignore[assignment]
-        self._filter = HumanFilter(config, anchors, area, inside, excess)
+        floor = region_of(tuple(config.area) or area_of(anchors))
+        if inside is None and len(config.area) > 4:
+            inside = floor.contains
+        self._filter = HumanFilter(config, anchors, floor.box, inside, excess)
         self._table = SignalTable(config, anchors, self.counters)
         self._draws = Stream(config.seed, HUMAN)
         self._past = Ancestry(config.lag)

@@ -187,8 +187,8 @@ class HumanConfig:
 
     def checked(self: Checked) -> Checked:
         """Itself, or TrackingError where fields contradict each other."""
-        if self.area and not (len(self.area) == 4 and self.area[0] < self.area[2] and self.area[1] < self.area[3]):
-            raise TrackingError(f'`area` is {list(self.area)}: expected x_min, y_min, x_max, y_max with min < max')
+        if self.area:
+            region_of(tuple(self.area))
         for name in ('los', 'nlos', 'single'):
             if len(getattr(self.channel, name)) != 2:
                 raise TrackingError(f'`channel.{name}` takes two numbers: at 1 m [dBm], and per decade [dB]')
