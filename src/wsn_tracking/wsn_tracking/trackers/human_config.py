@@ -10,6 +10,7 @@ from wsn_tracking.errors import TrackingError
 from wsn_tracking.filters.resampling import RESAMPLERS
 from wsn_tracking.models.body import LOS, NLOS, SINGLE
 from wsn_tracking.models.body_likelihood import Kernel
+from wsn_tracking.models.region import region_of
 from wsn_tracking.parameters import group, param
 
 Checked = TypeVar('Checked', bound='HumanConfig')
