@@ -16,7 +16,8 @@ from wsn_tracking.models.anchors import Floats
 
 Box = tuple[float, float, float, float]  # x_min, y_min, x_max, y_max [m]
 BEND = 0.3  # a hypothesis wider than this share of its distance is split: the circle bends within it
-SPLIT_AT, SPLIT_STD, SPLIT_W = 1.0575, 0.6716, (0.2252, 0.5496, 0.2252)  # N(0, 1) as three, all but equal to it
+SPLIT_AT, SPLIT_W = 1.0575, (0.2252, 0.5496, 0.2252)  # N(0, 1) as three, all but equal to it
+SPLIT_VARIANCE = 1.0 - 2.0 * SPLIT_W[0] * SPLIT_AT**2  # of each: together they have that of the one
 ROUNDS = 6  # of splitting
 FAINT = 1e-4  # hypotheses below this share of the best are dropped
 NEAR = 1.0  # those closer than this, in their own deviations, are one
@@ -100,7 +101,7 @@ def split(places: Hypotheses, z: float, place: Floats) -> tuple[Hypotheses, bool
         return places, True
     m, P, w = places.m[wide], places.P[wide], places.w[wide]
     c = (P[:, :, :2] @ axes[wide][:, :, 1, None])[..., 0] / np.sqrt(values[wide, 1])[:, None]
-    narrow = P - (1.0 - SPLIT_STD**2) * c[:, :, None] * c[:, None, :]
+    narrow = P - (1.0 - SPLIT_VARIANCE) * c[:, :, None] * c[:, None, :]
     kept = ~wide
     return Hypotheses(
         np.concatenate([places.m[kept], *(m + at * c for at in (-SPLIT_AT, 0.0, SPLIT_AT))]),

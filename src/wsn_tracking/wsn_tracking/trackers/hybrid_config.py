@@ -50,7 +50,7 @@ class LeastSquaresConfig:
 class ManoeuvreConfig:
     """When a manoeuvre is found, and what is done (inflate, decay, literal)."""
 
-    length: int = param(4, 'innovations that are summed', 'ranges', 1, 1000)
+    length: int = param(4, 'innovations that are summed; none counts for more than half', 'ranges', 3, 1000)
     threshold: float = param(18.5, 'of the sum of nu^2 / S: one in a thousand for four', '', 0.0, 1e6)
     rest: int = param(12, 'ranges that are let pass after a manoeuvre', 'ranges', 0, 100000)
     fresh: float = param(4.0, 'least squares counts of ranges no older, and there for so long', 'periods', 0.0, 1e6)
