@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Mapping
 from typing import Any
@@ -12,6 +13,7 @@ from wsn_tracking.errors import TrackingError
 from wsn_tracking.filters.ekf import Gaussian
 from wsn_tracking.filters.start import area_of
 from wsn_tracking.models.anchors import Anchors
+from wsn_tracking.models.motion import constant_velocity
 from wsn_tracking.models.region import region_of
 from wsn_tracking.sensing.channel import calibrated
 from wsn_tracking.sensing.values import Epoch
@@ -51,7 +53,7 @@ class HybridTracker:
         self._track: steps.Track | literal.LiteralTrack | None = None
         self._thin, self._together = 0, False  # literal: epochs in a row with few ranges; whether one had enough
         self._search = Search(self.config, self._places, self._area)
-        self._t = self._heard = 0.0  # of the belief; of the last range that was used
+        self._t = self._heard = -math.inf  # of the belief; of the last range that was used
         self._rejects, self._misfit = 0.0, 1.0
         self._found_before = False
 
@@ -176,6 +178,10 @@ class HybridTracker:
     def _belief_at(self, t: float) -> tuple[Gaussian, Kind]:
         if self._track is None:
             return self._search.belief_at(t), Kind.START
+        if t < self._t:  # ranges that came after the epoch's stamp: back along the velocity
+            m, P = self._track.belief
+            F = constant_velocity(t - self._t)
+            return Gaussian(F @ m, F @ P @ F.T), Kind.LOCAL
         return self._predicted(t).belief, Kind.LOCAL
 
     def _predicted(self, t: float) -> steps.Track | literal.LiteralTrack:

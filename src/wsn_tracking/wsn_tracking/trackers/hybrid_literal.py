@@ -57,7 +57,7 @@ def hear(
     track: LiteralTrack, z: Floats, std: Floats, share: Floats, t: float, places: Floats, config: HybridConfig
 ) -> tuple[LiteralTrack, Heard]:
     """Measurement update of a predicted track with ranges z (..., N) of one instant t [s]; NaN: not heard."""
-    told = _listen(track.recent, z, t, places, config)
+    told = _listen(track.recent, z, np.sqrt(np.square(std) + np.square(share * z)), t, places, config)
     seen = frozen_gain.linearised(track.belief, z, places, std, share)
     whole, each = frozen_gain.squared(track.belief, seen)
     count = np.maximum(seen.heard.sum(axis=-1), 1)
@@ -74,13 +74,18 @@ def hear(
     gated = seen.heard & (each > (config.robust.gate or np.inf) ** 2) & (fading < FADED)[..., None]
     kept = frozen_gain.without(seen, gated)
     belief = frozen_gain.update(track.belief, kept, fading[..., None, None] * K_z)
-    return LiteralTrack(belief, told, K_z, since), Heard(kept.heard, gated, turned, np.asarray(whole / count))
+    fit = frozen_gain.squared(track.belief, kept)[0] / np.maximum(kept.heard.sum(axis=-1), 1)
+    return LiteralTrack(belief, told, K_z, since), Heard(kept.heard, gated, turned, np.asarray(fit))
 
 
-def _listen(told: Recent, z: Floats, t: float, places: Floats, config: HybridConfig) -> Recent:
-    """Least squares of this instant alone, low-passed."""
+def _listen(told: Recent, z: Floats, std: Floats, t: float, places: Floats, config: HybridConfig) -> Recent:
+    """Least squares of this instant alone, low-passed; ranges that contradict each other give none."""
     d = np.sqrt(np.maximum(np.square(z) - np.square(places[:, 2]), 0.0))  # in the plane
     heard = ~np.isnan(d)
     told = told._replace(d=d, t=np.where(heard, t, -np.inf), weights=np.where(heard, 1.0, np.nan))
     raw = recent.solve(told, places[:, :2], t, 0.0)
+    off = recent.misfit(told, places[:, :2], raw, t, 0.0, 0.0)
+    widest = np.max(np.where(heard, std, 0.0), axis=-1)
+    with np.errstate(invalid='ignore'):
+        raw = np.where((off > config.start.misfit * widest)[..., None], np.nan, raw)
     return recent.follow(told, raw, t, config.least_squares.age_max * config.period, config.least_squares.weight)
