@@ -20,6 +20,7 @@ from wsn_tracking.evaluation import (
     study_human_parts,
     study_hybrid,
     study_loss,
+    study_phase,
     study_process_noise,
     study_random_q,
     study_triggers,
@@ -62,6 +63,7 @@ STUDIES: Mapping[str, Mapping[str, Study]] = {  # file: its studies
         'gate': study_hybrid.gate,
         'frozen_gain': study_hybrid.frozen_gain,
     },
+    'follower': {'phase': study_phase.phase},
 }
 
 

@@ -51,16 +51,40 @@ class DropoutConfig(CellsConfig):
 
 
 class Measured(NamedTuple):
-    """One range a period."""
+    """One range, or one a period (..., K)."""
 
-    rows: np.ndarray[tuple[int, ...], np.dtype[np.int64]]  # (..., K) row of the node that was asked
-    z: Floats  # (..., K) [m]; NaN: lost
+    rows: np.ndarray[tuple[int, ...], np.dtype[np.int64]]  # (...) row of the node that was asked
+    z: Floats  # (...) [m]; NaN: lost
 
 
 def nodes() -> Anchors:
     """Twelve nodes at x 0, 2, 4 and y 0, 2, 4, 6 m, numbered row by row."""
     x, y = np.meshgrid([0.0, 2.0, 4.0], [0.0, 2.0, 4.0, 6.0])
     return make_anchors(np.arange(1, 13), np.column_stack([x.ravel(), y.ravel()]))
+
+
+class Ranging:
+    """The base station and its nodes, a range a period for each of the targets (...); draws are given."""
+
+    def __init__(self, config: CellsConfig, shape: tuple[int, ...] = (), station: Station | None = None) -> None:
+        self._config = config
+        self._anchors = nodes()
+        self._scheduler = CellScheduler(self._anchors)
+        self._station = station or SightLine(self._anchors.ids.size, shape)
+        self._cell: np.ndarray[tuple[int, ...], np.dtype[np.int64]] | None = None
+
+    def step(self, k: int, states: Floats, normals: Floats, uniforms: Floats) -> Measured:
+        """The range of period k to targets at states (..., 2 or more); normals, uniforms and what comes back (...)."""
+        config, anchors, t = self._config, self._anchors, k * self._config.period
+        prediction = self._station.predict(t)
+        known = ~np.isnan(prediction[..., 0])
+        self._cell = self._scheduler.cell(np.nan_to_num(prediction), self._cell)
+        asked = np.where(known, anchors.rows(self._scheduler.node(self._cell, k)), k % anchors.ids.size)
+        true = np.take_along_axis(distances(anchors, states), asked[..., None], axis=-1)[..., 0]
+        heard = np.maximum(true + config.range_std * normals, MIN_RANGE)
+        z = np.where(uniforms < config.dropout, np.nan, heard)
+        self._station.hear(t, anchors.positions[asked, :2], z)
+        return Measured(asked, z)
 
 
 def measure(
@@ -70,24 +94,9 @@ def measure(
 
     normals and uniforms (..., K) are the draws of noise and loss.
     """
-    anchors, shape, epochs = nodes(), states.shape[:-2], states.shape[-2]
-    scheduler = CellScheduler(anchors)
-    station = station or SightLine(anchors.ids.size, shape)
-    rows = np.empty((*shape, epochs), dtype=np.int64)
-    z = np.empty((*shape, epochs))
-    d = np.asarray(distances(anchors, states))
-    cell = None
-    for k in range(epochs):
-        t = k * config.period
-        prediction = station.predict(t)
-        known = ~np.isnan(prediction[..., 0])
-        cell = scheduler.cell(np.nan_to_num(prediction), cell)
-        asked = np.where(known, anchors.rows(scheduler.node(cell, k)), k % anchors.ids.size)
-        true = np.take_along_axis(d[..., k, :], asked[..., None], axis=-1)[..., 0]
-        heard = np.maximum(true + config.range_std * normals[..., k], MIN_RANGE)
-        rows[..., k], z[..., k] = asked, np.where(uniforms[..., k] < config.dropout, np.nan, heard)
-        station.hear(t, anchors.positions[asked, :2], z[..., k])
-    return Measured(rows, z)
+    ranging = Ranging(config, states.shape[:-2], station)
+    told = [ranging.step(k, states[..., k, :], normals[..., k], uniforms[..., k]) for k in range(states.shape[-2])]
+    return Measured(np.stack([m.rows for m in told], axis=-1), np.stack([m.z for m in told], axis=-1))
 
 
 def d_stop(config: CellsConfig | None = None, stations: Stations | None = None) -> Scenario:

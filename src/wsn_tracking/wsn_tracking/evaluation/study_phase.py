@@ -1,0 +1,62 @@
+"""How well a robot keeps in phase with another one by feedback over the network (seed 001, its second experiment)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from wsn_tracking.evaluation.phase_runs import SETTLED_S, PhaseConfig, PhaseRun, run
+from wsn_tracking.simulation.d_cells import CellsConfig
+
+Result = dict[str, Any]
+CAUGHT_UP = np.radians(10.0)
+
+
+def variants(lasts: float = 60.0) -> Mapping[str, PhaseConfig]:
+    """The loop as it is by default, and what is worse or better of it."""
+    base = PhaseConfig(cells=CellsConfig(lasts=lasts))
+    return {
+        'default': base,
+        'constant_angular_speed': replace(base, cells=replace(base.cells, variation=0.0)),
+        'truth_fed_back': replace(base, told='truth'),
+        'feedback_at_2_hz': replace(base, every=10),
+        'feedback_200_ms_late': replace(base, delay=0.2),
+        'half_of_the_feedback_lost': replace(base, loss=0.5),
+        'a_third_of_the_ranges_lost': replace(base, cells=replace(base.cells, dropout=0.3)),
+    }
+
+
+def phase(runs: int = 5, lasts: float = 60.0, settled: float = SETTLED_S) -> Result:
+    """Error in phase of the second robot of d_phase, driven by feedback, once it has caught up a third of a turn."""
+    table = {}
+    for name, config in variants(lasts).items():
+        found = [run(config, seed) for seed in range(1, runs + 1)]
+        table[name] = summary(found, settled)
+    return {'runs': runs, 'lasts_s': lasts, 'scored_from_s': settled, 'variants': table}
+
+
+def summary(runs: list[PhaseRun], settled: float) -> Result:
+    """Of several runs of one configuration, from `settled` [s] on."""
+    scored = runs[0].times >= settled
+    error = np.degrees(np.stack([r.error for r in runs]))
+    squared = [np.nanmean(np.sum((r.estimates - r.truth[..., :2])[:, scored] ** 2, axis=-1)) for r in runs]
+    return {
+        'rms_deg': _short(np.sqrt(np.mean(error[:, scored] ** 2))),
+        'worst_deg': _short(np.abs(error[:, scored]).max()),
+        'caught_up_after_s': _short(max(caught_up(r) for r in runs)),
+        'tracking_rmse_cm': _short(100.0 * np.sqrt(np.mean(squared))),
+    }
+
+
+def caught_up(r: PhaseRun) -> float:
+    """When the second robot was last more than 10 degrees off [s]."""
+    off = np.flatnonzero(np.abs(r.error) > CAUGHT_UP)
+    return float(r.times[off[-1]]) if off.size else 0.0
+
+
+def _short(value: Any) -> float:
+    """Three digits."""
+    return float(f'{value:.3g}')
