@@ -5,10 +5,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from wsn_tracking.errors import TrackingError
-from wsn_tracking.reproduction import document_a, document_b
+from wsn_tracking.reproduction import document_a, document_b, document_c, document_d, document_e
 from wsn_tracking.reproduction.claims import Claim, Experiment
 
-CLAIMS: tuple[Claim, ...] = (*document_a.CLAIMS, *document_b.CLAIMS)
+CLAIMS: tuple[Claim, ...] = (
+    *document_a.CLAIMS,
+    *document_b.CLAIMS,
+    *document_c.CLAIMS,
+    *document_d.CLAIMS,
+    *document_e.CLAIMS,
+)
 DOCUMENTS = tuple(dict.fromkeys(claim.document for claim in CLAIMS))
 
 

@@ -91,7 +91,12 @@ ADVICE = (
         ('B24',),
     ),
     ('A person with a worn node', '`human` with profile `improved`', 'knows the body and that people pause', ('C21',)),
-    ('Robots that stop and go, ranges one by one', '`hybrid` with `imm`', 'as quick, and smoother', ('D21',)),
+    (
+        'Robots that stop and go, ranges one by one',
+        '`hybrid` with `imm`',
+        'quicker after a stop than the hybrid, a little noisier on the way',
+        ('D21',),
+    ),
     (
         'A radio that loses packets',
         '`loss_tolerant` (CKF)',

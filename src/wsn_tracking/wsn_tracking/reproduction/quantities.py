@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
 from wsn_tracking.evaluation.intervals import NORMAL_95, change_of, mean_of, ratio_of
+from wsn_tracking.evaluation.intervals import Figure as Interval
 from wsn_tracking.models.anchors import Floats
 from wsn_tracking.reproduction.claims import Bounds, Figure, Series
+
+RESAMPLED = 500  # sets of runs of a bootstrap
 
 
 def mean(
@@ -97,5 +100,29 @@ def median(
     half = 0.5 * NORMAL_95 * np.sqrt(count)
     low = ordered[max(int(np.floor(0.5 * count - half)), 0)]
     high = ordered[min(int(np.ceil(0.5 * count + half)), count - 1)]
-    ours = {'value': float(np.median(ordered)), 'interval_95': [float(low), float(high)]}
+    ours: Interval = {'value': float(np.median(ordered)), 'interval_95': [float(low), float(high)]}
     return Figure(name, ours, unit, document, shape)
+
+
+def bootstrapped(
+    name: str,
+    statistic: Callable[[Sequence[Floats]], float],
+    values: Sequence[Floats],
+    unit: str = '',
+    *,
+    document: float | str | None = None,
+    shape: Bounds | None = None,
+    near: Bounds | None = None,
+) -> Figure:
+    """A statistic of means over runs: values (R, ...) each of the same runs, `statistic` takes their means.
+
+    Its interval is that of runs drawn anew from the runs, with replacement (Efron 1979, percentiles).
+    """
+    count = len(values[0])
+    generator = np.random.default_rng(count)  # equal runs have equal intervals
+    weights = generator.multinomial(count, np.full(count, 1.0 / count), RESAMPLED) / count
+    drawn = [np.tensordot(weights, v, axes=1) for v in values]
+    found = np.array([statistic([d[i] for d in drawn]) for i in range(RESAMPLED)])
+    low, high = np.quantile(found, [0.025, 0.975])
+    ours: Interval = {'value': statistic([v.mean(axis=0) for v in values]), 'interval_95': [float(low), float(high)]}
+    return Figure(name, ours, unit, document, shape, near)
