@@ -33,6 +33,7 @@ class BagRecorderNode(TrackingNode[RecorderConfig]):
         entries = dict(entry.partition('=')[::2] for entry in config.metadata if entry)
         self._writer = BagWriter(config.output, {'entry_level': config.entry_level, **entries})
         self._counts: Counter[str] = Counter()
+        self._going: set[int] = set()  # targets whose feed has not ended
         self._ended = False
         self._last = time.monotonic()
         for topic in self._topics():
@@ -56,8 +57,10 @@ class BagRecorderNode(TrackingNode[RecorderConfig]):
             self._last = time.monotonic()
             self._counts[topic] += 1
             self._writer.write_raw(topic, type_name, cdr, time.time_ns())
-            if topic == 'epoch_end' and deserialize_message(cdr, msg.EpochEnd).final:
-                self._ended = True
+            if topic == 'epoch_end':
+                end = deserialize_message(cdr, msg.EpochEnd)
+                (self._going.discard if end.final else self._going.add)(end.target_id)
+                self._ended = not self._going
 
         profile = qos.TRUTH if topic.startswith('truth/') else qos.MEASUREMENTS
         profile = qos.LATCHED_LAST if topic == 'anchors' else profile
@@ -70,9 +73,11 @@ class BagRecorderNode(TrackingNode[RecorderConfig]):
 
     def destroy_node(self) -> None:
         """Finalise the bag, whatever ended the node."""
-        self._writer.close()
-        self.get_logger().info(f'{self.config.output}: {dict(self._counts)}')
-        super().destroy_node()
+        try:
+            self._writer.close()
+            self.get_logger().info(f'{self.config.output}: {dict(self._counts)}')
+        finally:
+            super().destroy_node()
 
     def state(self) -> Mapping[str, Any]:
         """Messages written by topic."""

@@ -185,6 +185,17 @@ def run(make: Callable[[], TrackingNode[Any]]) -> None:
         for number in (signal.SIGINT, signal.SIGTERM):  # the end has begun: a second request must not break it
             signal.signal(number, signal.SIG_IGN)
         if node is not None:
-            node.destroy_node()
+            code = _ended(node, code)
         rclpy.try_shutdown()  # type: ignore[attr-defined]
     sys.exit(code)
+
+
+def _ended(node: TrackingNode[Any], code: int) -> int:
+    """The exit code once a node has cleaned up; what goes wrong then is told unless it went wrong before."""
+    try:
+        node.destroy_node()
+    except TrackingError as error:
+        if code == 0:
+            print(f'error: {error}', file=sys.stderr)
+            return 2
+    return code

@@ -24,7 +24,7 @@ class DrainingExecutor(SingleThreadedExecutor):
     """Spins one node."""
 
     def __init__(self, node: Node) -> None:
-        super().__init__()
+        super().__init__(context=node.context)
         self.add_node(node)
         self._spun = node
         self._known: tuple[int, ...] = ()
@@ -112,6 +112,6 @@ def make_executor(node: Node) -> SingleThreadedExecutor:
         usable = False
     if usable:
         return executor
-    stock = SingleThreadedExecutor()
+    stock = SingleThreadedExecutor(context=node.context)
     stock.add_node(node)
     return stock
