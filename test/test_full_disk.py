@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shlex
 import shutil
 import subprocess
@@ -58,8 +59,7 @@ def test_the_recorder_ends_with_one_line_and_the_rest_of_the_graph_goes_on(disk,
     assert 'No space left on device' in output
     assert 'Traceback' not in output
     try:
-        kept = read(copied / 'out')
+        found = 'messages' if read(copied / 'out').messages else 'nothing'
     except TrackingError as error:
-        assert 'metadata' in str(error) or 'truncated' in str(error)  # said, not guessed
-    else:
-        assert kept.messages
+        found = str(error)
+    assert re.search('messages|metadata|truncated', found)  # what was received is kept, or what is missing is said

@@ -1,4 +1,4 @@
-"""The extended Kalman filter of single ranges, its two-model form, manoeuvres and the frozen gain, against dense oracles."""
+"""The EKF of single ranges, its two-model form, manoeuvres and the frozen gain, against dense oracles."""
 
 import numpy as np
 import pytest
@@ -42,7 +42,7 @@ def test_one_range_is_the_textbook_update(seed, z, std, share):
     m, P, nu, S = dense_update(*prior, z, a, std**2 + (share * h) ** 2)
     seen = ekf.innovation(prior, z, a, std, share)
     assert seen.nu == pytest.approx(nu)
-    assert seen.S == pytest.approx(S, rel=1e-6)
+    assert pytest.approx(S, rel=1e-6) == seen.S
     got = ekf.update(prior, seen)
     np.testing.assert_allclose(got.m, m, atol=1e-6)
     np.testing.assert_allclose(got.P, P, atol=1e-6)

@@ -252,7 +252,7 @@ def test_hypotheses_alone_find_a_target_from_single_ranges_at_long_intervals():
 
 
 def test_distances_are_three_dimensional_and_radios_are_calibrated():
-    high = ANCHORS.positions + [0.0, 0.0, 2.0]
+    high = ANCHORS.positions + np.array([0.0, 0.0, 2.0])
     crooked = make_anchors(ANCHORS.ids, high, bias=0.3, scale=1.05)
     straight = walk_of(LINE, anchors=make_anchors(ANCHORS.ids, high), z=0.5)
     measured = [
@@ -300,7 +300,7 @@ def literal(**more):
 
 def test_the_literal_form_is_refused_where_ranges_come_one_by_one():
     with pytest.raises(
-        TrackingError, match='literal takes ranges of 3 nodes or more at one instant.*set `form` to inflate'
+        TrackingError, match=r'literal takes ranges of 3 nodes or more at one instant.*set `form` to inflate'
     ):
         tracked(walk_of(LINE), literal())
     spread = walk_of(LINE, each=4)[0]
@@ -374,4 +374,4 @@ def test_stamps_count_not_numbers():
     ]  # fmt: skip
     first, second = tracked(epochs)[1], tracked(moved)[1]
     assert same(first, [e._replace(stamp_ns=e.stamp_ns - 3600 * S) for e in second])
-    assert PERIOD_NS == epochs[1].stamp_ns
+    assert epochs[1].stamp_ns == PERIOD_NS

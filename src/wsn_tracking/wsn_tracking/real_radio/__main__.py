@@ -17,11 +17,12 @@ from pathlib import Path
 
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.evaluation import study
+from wsn_tracking.real_radio.found_again import TABLES as FOUND_AGAIN
 from wsn_tracking.real_radio.lost import TABLES as SYSTEM_E
 from wsn_tracking.real_radio.sets import Sets
 from wsn_tracking.real_radio.tables import TABLES as SYSTEM_A
 
-TABLES = {**SYSTEM_A, **SYSTEM_E}
+TABLES = {**SYSTEM_A, **FOUND_AGAIN, **SYSTEM_E}
 COMMAND = 'python -m wsn_tracking.real_radio DATA -o docs/results'
 
 

@@ -117,8 +117,8 @@ CLAIMS = (
             f'A{number}',
             'A',
             f'scenario {NAMES[name]}',
-            f'At the same data rate on {name}, the near trigger with one iterated filter and fixed white acceleration is '
-            f"at least {100 * (1 - most):.0f} % more accurate than the document's event trigger with three filters "
+            f'At the same data rate on {name}, the near trigger with one iterated filter and fixed white acceleration '
+            f"is at least {100 * (1 - most):.0f} % more accurate than the document's event trigger with three filters "
             'of random q and CI.',
             RATES[name],
             partial(rate, name, most),

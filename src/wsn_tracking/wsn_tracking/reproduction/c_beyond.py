@@ -7,7 +7,9 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from wsn_tracking.evaluation.human_runs import distances, sample, track
-from wsn_tracking.evaluation.study_human import IMPROVED, PAPER_MAX, baseline, recovery
+from wsn_tracking.evaluation.study_human import IMPROVED, PAPER_MAX, baseline
+from wsn_tracking.evaluation.study_human_parts import recovery
+from wsn_tracking.models.anchors import Floats
 from wsn_tracking.reproduction.c_people import ONE, PAPER, compared, maps
 from wsn_tracking.reproduction.claims import BEYOND, Claim, Experiment, Figure, Plot, Samples
 from wsn_tracking.reproduction.quantities import bars, mean, median, ratio, root_mean
@@ -68,7 +70,7 @@ def trouble(seed: int, runs: int) -> Samples:
         'turned': (turned, {PAPER: PAPER_MAX, OURS: IMPROVED, 'without yaw': stiff}),
         'wild': (wild, {PAPER: PAPER_MAX, OURS: IMPROVED, 'without mass': trusting}),
     }
-    samples = {}
+    samples: dict[str, Floats] = {}
     for group, (walks, configs) in groups.items():
         samples |= {f'{group}: {name}': v for name, v in compared(configs, walks, seed).items() if name in configs}
     return samples

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 
@@ -131,7 +132,7 @@ SPACING = Experiment('c spacing', spacing, runs=6, units=12, quick=2)
 def figure_5(s: Samples) -> Sequence[Figure]:
     """Each refinement, and the other filter."""
     metres = list(SPACINGS.values())
-    pairs = zip(metres[:-1], metres[1:], strict=True)
+    pairs = pairwise(metres)
     return [
         *(
             ratio(f'{PAPER}: {b:g} m / {a:g} m', s[f'{PAPER} {b:g}'], s[f'{PAPER} {a:g}'], True, shape=(None, 1.0))
@@ -170,7 +171,7 @@ NOISE = Experiment('c noise', noise, runs=6, units=12, quick=2)
 
 def figure_6(s: Samples) -> Sequence[Figure]:
     """Each step of noise; the other filter hardly cares."""
-    pairs = zip(NOISES[:-1], NOISES[1:], strict=True)
+    pairs = pairwise(NOISES)
     return [
         *(
             ratio(f'{PAPER}: {b:g} dB / {a:g} dB', s[f'{PAPER} {b:g}'], s[f'{PAPER} {a:g}'], True, shape=(1.0, None))

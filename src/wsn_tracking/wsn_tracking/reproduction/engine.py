@@ -117,6 +117,6 @@ def _cluster(workers: Workers, jobs: int) -> AbstractContextManager[Any]:
 @contextmanager
 def _local(distributed: Any, jobs: int) -> Iterator[None]:
     """A cluster of this machine, as long as it is needed."""
-    with distributed.LocalCluster(n_workers=jobs, threads_per_worker=1, dashboard_address=None) as cluster:
-        with distributed.Client(cluster):
-            yield
+    cluster = distributed.LocalCluster(n_workers=jobs, threads_per_worker=1, dashboard_address=None)
+    with cluster, distributed.Client(cluster):
+        yield

@@ -45,7 +45,8 @@ class Wheels(NamedTuple):
 
 def phase(position: Floats, centre: tuple[float, ...]) -> Floats:
     """Angle (...) [rad] of positions (..., 2) [m] about the middle of a circle, from the east, counter-clockwise."""
-    return np.arctan2(position[..., 1] - centre[1], position[..., 0] - centre[0])
+    angle: Floats = np.arctan2(position[..., 1] - centre[1], position[..., 0] - centre[0])
+    return angle
 
 
 def phase_error(config: FollowConfig, first: Floats, second: Floats) -> Floats:
@@ -99,7 +100,7 @@ class DrivenRobot:
         middle = np.array(config.centre)
         self._at = np.array([*(middle + config.radius * np.array([c, s])), wrapped(angle + 0.5 * np.pi)])
         self._t = t
-        self._rate = np.zeros(())
+        self._rate: Floats = np.zeros(())
         self._drive = Wheels(np.zeros(()), np.zeros(()))
         self._first: tuple[float, float] | None = None  # when the first was told, and its phase
         self._offset: Floats | None = None  # from where it believes to be to where it was told, less its way since
