@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 from wsn_tracking.airwaves import on_board
+from wsn_tracking.sink_thread import SinkThread
 from wsn_tracking.zstack.clock import ClockConfig
 from wsn_tracking.zstack.intake import Intake, Taken
 from wsn_tracking.zstack.link import LinkEvent
@@ -16,7 +17,6 @@ from wsn_tracking.zstack.queues import Received
 from wsn_tracking.zstack.session import Session
 from wsn_tracking.zstack.settings import LinkConfig, TimeoutConfig
 from wsn_tracking.zstack.simulator_settings import SimulatorConfig
-from wsn_tracking.zstack.sink_thread import SinkThread
 from wsn_tracking.zstack.traffic import AirEpoch, Message, TrafficConfig
 
 PATIENCE = 60.0  # [s] far beyond what anything takes on a machine that is busy

@@ -16,8 +16,8 @@ from wsn_tracking_msgs import msg
 import live
 from observer import observing
 from radio import LIVE, PATIENCE, QUIET, Radio
-from wsn_tracking.configuration import SerialBridgeConfig
 from wsn_tracking.graphs import Process
+from wsn_tracking.node_parameters.serial import SerialBridgeConfig
 from wsn_tracking.nodes import convert, qos
 from wsn_tracking.nodes.health import WARN
 from wsn_tracking.parameters import specs

@@ -40,7 +40,8 @@ ROOMS = {
     'bridging': ('sensing', 'zstack'),
     'airwaves': ('graphs', 'zstack'),
     'live_study': ('offline', 'processes'),
-    'serial_study': ('airwaves', 'processes'),
+    'sink_thread': ('zstack',),  # the thread around a simulated sink; zstack holds none but the session's
+    'serial_study': ('airwaves', 'processes', 'sink_thread'),
     'reproduction': ('real_radio',),
     'benchmarks': ('offline', 'processes'),
     'documentation': ('node_parameters', 'bags'),

@@ -90,7 +90,7 @@ class Simulator:
         """More epochs, from `now` on, behind those that were sent; TrackingError where some are still to come."""
         self._advance(now)
         if len(self.sent) < len(self._epochs):
-            raise TrackingError(f'{len(self._epochs) - len(self.sent)} epochs are still to come: wait for them')
+            raise TrackingError(f'epochs still to come: {len(self._epochs) - len(self.sent)}; wait for them')
         first, lasted = len(self._epochs), self._after(epochs[0].time_s)
         self._epochs += epochs
         self._agenda.at(now, lambda: self._epoch(first, now - lasted))
