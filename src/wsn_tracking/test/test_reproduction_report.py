@@ -67,13 +67,13 @@ def test_a_claim_says_how_to_compute_it(found):
 
 def wrong_sign(monkeypatch):
     """The filters of A step away from what they measure."""
-    right = srckf._condition
+    right = srckf.condition
 
     def wrong(prior, *rest):
         posterior = right(prior, *rest)
         return posterior._replace(m=2.0 * prior.m - posterior.m)
 
-    monkeypatch.setattr(srckf, '_condition', wrong)
+    monkeypatch.setattr(srckf, 'condition', wrong)
 
 
 def test_with_the_sign_of_the_gain_changed_the_verdicts_of_a_fail(monkeypatch):
