@@ -283,7 +283,7 @@ def test_unusable_packets_and_unknown_nodes_are_left_out():
         good._replace(node_id=4, range=math.inf),
         good._replace(node_id=5, variance=0.0),
         good._replace(node_id=900),
-        RangeBearing(0, 6, 1, 0, 0, 1.0, 0.0, (1.0, 0.0, 0.0, 1.0)),
+        RangeBearing(0, 6, 1, 0, 0, 1.0, 0.0, (1.0, 0.0, 0.0, 1.0), arrived=False),
     ]
     z, _, _, ids = read([*bad, good])
     assert ids == (3,)
@@ -292,6 +292,18 @@ def test_unusable_packets_and_unknown_nodes_are_left_out():
     weird = Rssi(0, 3, 1, 0, 0, -60.0)
     bad_rssi = [weird._replace(rssi_dbm=127.0), weird._replace(rssi_dbm=nan), weird._replace(sigma_db=0.0)]
     assert read(bad_rssi)[3] == ()
+
+
+def test_of_range_and_bearing_the_range_counts():
+    seen = RangeBearing(0, 6, 1, 0, 0, 1.25, 0.3, (0.04, 0.0, 0.0, 1.0))
+    z, h, noise, ids = read([seen])
+    alone = read([Range(0, 6, 1, 0, 0, Modality.OTHER, 1.25, 0.04)])
+    assert ids == (6,)
+    np.testing.assert_array_equal(z, alone[0])
+    states = np.array([[1.0, 0.5, 0.0, 0.0], [2.0, 2.0, 0.1, 0.0]])
+    np.testing.assert_array_equal(h(states), alone[1](states))
+    np.testing.assert_array_equal(noise(states), alone[2](states))
+    assert read([seen._replace(bearing=math.nan)])[3] == (6,)
 
 
 def test_an_epoch_of_nothing_leaves_the_belief_alone():
