@@ -25,12 +25,17 @@ def recorded(path, rows, noise):
 
 
 def test_the_rewritten_bag_does_not_depend_on_the_run(tmp_path):
-    rows = events('rssi')
+    rows = []
+    for topic, value, t in events('rssi'):
+        rows.append((topic, value, t))
+        if topic == 'truth/target_1':
+            rows.append(('truth/target_2', value._replace(target_id=2), t))
     swapped = list(rows)
-    for k in range(1, len(rows) - 1, 5):  # topics of one stamp reach the recorder in any order
+    for k in range(1, len(rows) - 1, 7):  # topics of one stamp reach the recorder in any order
         if rows[k][0] != rows[k + 1][0] and rows[k][1].stamp_ns == rows[k + 1][1].stamp_ns:
             swapped[k], swapped[k + 1] = swapped[k + 1], swapped[k]
     assert swapped != rows
+    assert [row[0] for row in swapped[1:3]] == ['truth/target_2', 'truth/target_1']
     for name, order, noise in (('a', rows, 3), ('b', swapped, 7)):
         recorded(tmp_path / name, order, noise)
         canonical(tmp_path / name, tmp_path / f'{name}2' / 'bag')

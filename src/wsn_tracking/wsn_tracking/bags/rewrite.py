@@ -34,7 +34,7 @@ def canonical(src: Path | str, dst: Path | str, keep: Collection[str] | None = N
     """Rewrite a bag so that equal messages give equal bytes, however they reached the recorder.
 
     Each message is serialised anew (zero padding); its log time is the stamp of its header, so that nothing
-    of the machine that recorded is left; at one stamp the order is anchors, truth, request, measurements,
+    of the machine that recorded is left; at one stamp the order is anchors, truth (by topic), request, measurements,
     report, end, within a topic as logged. `keep` names the relative topics to keep, by default those that a
     replay needs and the truth. Namespaces, types, metadata and offered quality of service stay.
     """
@@ -50,12 +50,12 @@ def canonical(src: Path | str, dst: Path | str, keep: Collection[str] | None = N
                 raise TrackingError(f'{src}: message {place} on {raw.topic} cannot be decoded; leave the topic out')
             rank = 1 if truth_target(name) is not None else _RANK.get(name, 3)
             stamp = message.header.stamp
-            rows.append((stamp.sec * 1_000_000_000 + stamp.nanosec, rank, place, raw, message))
+            rows.append((stamp.sec * 1_000_000_000 + stamp.nanosec, rank, raw.topic, place, raw, message))
     if not rows:
         raise TrackingError(f'{src} holds none of the topics {sorted(wanted)}: nothing to rewrite')
-    rows.sort(key=lambda row: row[:3])
+    rows.sort(key=lambda row: row[:4])
     metadata = {**load_metadata(src), 'entry_level': recording.entry_level}
     with BagWriter(dst, metadata) as writer:
-        for stamp_ns, _, _, raw, message in rows:
+        for stamp_ns, _, _, _, raw, message in rows:
             cdr = bytes(typestore().serialize_cdr(message, raw.type_name, little_endian=True))
             writer.write_raw(raw.topic, raw.type_name, cdr, stamp_ns, raw.qos)

@@ -72,7 +72,7 @@ def run(config: PhaseConfig, seed: int) -> PhaseRun:
             rows, z = ranging[target].step(k, at, np.asarray(draws.standard_normal()), np.asarray(draws.random()))
             stamp = START_NS + round(t * 1e9)
             node = int(anchors.ids[rows])
-            packet = Range(stamp, node, target, k, k, Modality.ULTRASOUND, float(z), config.cells.range_std**2)
+            packet = Range(stamp, node, target, k, k, int(Modality.ULTRASOUND), float(z), config.cells.range_std**2)
             (estimate,) = tracker.step(Epoch(target, k, stamp, () if np.isnan(z) else (packet,)))
             if estimate.kind != Kind.START:
                 estimates[target - 1, k] = estimate.mean[:2]

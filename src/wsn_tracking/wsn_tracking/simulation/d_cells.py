@@ -173,5 +173,5 @@ def _packets(
     asked = scenario.anchors.ids[told.rows]
     variance = config.range_std**2 if config.range_std else float('nan')
     for k, (stamp, node, z) in enumerate(zip(stamps, asked.tolist(), told.z.tolist(), strict=True)):
-        packet = Range(stamp, node, target_id, k, k, Modality.ULTRASOUND, z, variance)
+        packet = Range(stamp, node, target_id, k, k, int(Modality.ULTRASOUND), z, variance)
         yield [] if np.isnan(z) else [packet]
