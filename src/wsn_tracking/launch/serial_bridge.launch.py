@@ -4,7 +4,7 @@ ros2 launch wsn_tracking serial_bridge.launch.py port:=/dev/serial/by-id/usb-Tex
 """
 
 from wsn_tracking import graphs
-from wsn_tracking.launching import description
+from wsn_tracking.launching import description, flag
 
 
 def _graph(argument):
@@ -12,7 +12,7 @@ def _graph(argument):
         argument['config'],
         settings={'port': argument['port']} if argument['port'] else {},
         record=argument['record'],
-        markers=argument['markers'] == 'true',
+        markers=flag('markers', argument['markers']),
     )
 
 

@@ -3,10 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from pathlib import Path
 from typing import Any
 
+from wsn_tracking import graphs
+from wsn_tracking.configuration import parse_setting
+from wsn_tracking.errors import TrackingError
 from wsn_tracking.graphs import Process
 from wsn_tracking.processes import declared
+
+Arguments = Mapping[str, tuple[str | None, str]]  # name -> default (None: it must be given), words
 
 
 def actions(processes: Sequence[Process], namespace: str = '', last: str = 'evaluator') -> list[Any]:
@@ -34,10 +41,8 @@ def actions(processes: Sequence[Process], namespace: str = '', last: str = 'eval
     return [*ends, *nodes.values()]
 
 
-def description(
-    arguments: Mapping[str, tuple[str | None, str]], graph: Callable[[Mapping[str, str]], Sequence[Process]]
-) -> Any:
-    """A launch file's description: arguments by name (default, None: it must be given; words), and their graph."""
+def description(arguments: Arguments, graph: Callable[[Mapping[str, str]], Sequence[Process]]) -> Any:
+    """A launch file's description: its arguments, and their graph."""
     from launch.actions import DeclareLaunchArgument, OpaqueFunction
     from launch.substitutions import LaunchConfiguration
 
@@ -52,6 +57,76 @@ def description(
         for name, (value, words) in arguments.items()
     ]
     return LaunchDescription([*declared, OpaqueFunction(function=started)])
+
+
+def tracking(trackers: str, scenario: str) -> Any:
+    """The description of a launch file that has these trackers on a bag, or on a simulated world."""
+    return description(arguments_of(scenario), partial(graph_of, trackers))
+
+
+def arguments_of(scenario: str) -> Arguments:
+    """Arguments of a launch file that simulates this scenario where no bag is named."""
+    return {
+        'bag': ('', 'rosbag2 folder or .mcap file; empty: a simulated world'),
+        'scenario': (scenario, 'experiment to simulate'),
+        'seed': ('0', 'of what the nodes read'),
+        'settings': ('', 'of the scenario: name=value each, spaces between them, none within'),
+        'parameters': ('', 'of the nodes, alike'),
+        'target': ('-1', 'the target of the bag that is tracked; -1: what the tracker takes by default'),
+        'rate': ('1.0', 'multiple of real time, or max'),
+        'config': ('', 'parameter file or name of a configuration; empty: that of the feed'),
+        'record': ('', 'folder for a bag of what is sent; empty: none'),
+        'one_process_each': ('false', 'a process for every node that may share one'),
+        'markers': ('false', 'publish markers for RViz and Foxglove'),
+        'namespace': ('', 'namespace of the whole graph'),
+    }
+
+
+def graph_of(trackers: str, given: Mapping[str, str]) -> tuple[Process, ...]:
+    """The graph that the arguments ask for; TrackingError where one is wrong."""
+    common: dict[str, Any] = {
+        'rate': rate_of(given['rate']),
+        'trackers': trackers,
+        'configuration': given['config'],
+        'settings': dict(map(parse_setting, given['parameters'].split())),
+        'one_process_each': flag('one_process_each', given['one_process_each']),
+        'markers': flag('markers', given['markers']),
+    }
+    if given['bag']:
+        record = {'output': str(Path(given['record']).resolve())} if given['record'] else None
+        return graphs.replay(given['bag'], target_id=_integer('target', given['target']), record=record, **common)
+    return graphs.simulation(
+        given['scenario'],
+        _integer('seed', given['seed']),
+        scenario_settings=given['settings'].split(),
+        record=given['record'],
+        **common,
+    )
+
+
+def rate_of(text: str) -> float:
+    """A multiple of real time; `max` is 0, which sets none."""
+    try:
+        value = 0.0 if text == 'max' else float(text)
+    except ValueError:
+        value = -1.0
+    if not 0.0 <= value <= 1e6:
+        raise TrackingError(f'argument rate:={text}: expected a positive multiple of real time, or max')
+    return value
+
+
+def flag(name: str, text: str) -> bool:
+    """True or false, as launch files write it."""
+    if text.lower() not in {'true', 'false', '1', '0'}:
+        raise TrackingError(f'argument {name}:={text}: expected true or false')
+    return text.lower() in {'true', '1'}
+
+
+def _integer(name: str, text: str) -> int:
+    try:
+        return int(text)
+    except ValueError:
+        raise TrackingError(f'argument {name}:={text}: expected an integer') from None
 
 
 def _plain(value: Any) -> Any:
