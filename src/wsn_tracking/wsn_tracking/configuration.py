@@ -83,7 +83,7 @@ def load_configuration(name: str) -> Configuration:
             raise TrackingError(f'{path}: section `{section}` has no `ros__parameters:` with names below it')
         sections[str(section)] = dict(_flat(body['ros__parameters']))
         for parameter in sections[str(section)]:
-            _check_known(parameter, str(path))
+            check_known(parameter, str(path))
     return Configuration(sections)
 
 
@@ -92,7 +92,7 @@ def parse_setting(text: str) -> tuple[str, Any]:
     name, separator, value = text.partition('=')
     if not separator:
         raise TrackingError(f'setting {text!r}: expected name=value, e.g. trigger.kind=near')
-    _check_known(name, f'setting {text!r}')
+    check_known(name, f'setting {text!r}')
     from wsn_tracking.ros_yaml import parse  # no node needs it: ROS reads parameter files for them
 
     return name, parse(value, f'setting {text!r}')
@@ -111,7 +111,8 @@ def _known() -> frozenset[str]:
     return frozenset(spec.name for kind in (*EXECUTABLES.values(), NodeConfig) for spec in specs(kind))
 
 
-def _check_known(name: str, where: str) -> None:
+def check_known(name: str, where: str) -> None:
+    """Raise TrackingError, with the nearest name, for a parameter that no executable has."""
     known = _known()
     if name in known or name == 'use_sim_time' or name.startswith('qos_overrides.'):
         return

@@ -36,11 +36,16 @@ class Spec(NamedTuple):
     choices: tuple[str, ...] = ()
 
     @property
+    def element(self) -> type:
+        """Of what a list is made; an empty default does not show it, its unit does."""
+        return type(self.default[0]) if self.default else (int if self.unit in ('', 'id') else float)
+
+    @property
     def expected(self) -> str:
         """What a value must be, in words."""
         kind = {bool: 'true or false', int: 'an integer', float: 'a number', str: 'a text'}
         is_list = isinstance(self.default, tuple)
-        words = f'a list of {ELEMENTS[_element(self)]}' if is_list else kind[type(self.default)]
+        words = f'a list of {ELEMENTS[self.element]}' if is_list else kind[type(self.default)]
         if self.choices:
             return 'one of ' + ', '.join(self.choices)
         limits = [f'>= {self.low:g}'] * (self.low > -math.inf) + [f'<= {self.high:g}'] * (self.high < math.inf)
@@ -98,16 +103,12 @@ def _assemble(kind: type[Config], values: Mapping[str, Any], prefix: str) -> Con
 def check(spec: Spec, value: Any) -> Any:
     """The value in the type of the default; TrackingError where it is not what is expected."""
     if isinstance(spec.default, tuple):
-        wanted = _element(spec)
+        wanted = spec.element
         items = value.tolist() if hasattr(value, 'tolist') else value  # array.array, as rclpy gives it
         if not isinstance(items, (list, tuple)):
             _refuse(spec, value)
         return tuple(_scalar(spec, wanted, item, value) for item in items)
     return _scalar(spec, type(spec.default), value, value)
-
-
-def _element(spec: Spec) -> type:
-    return type(spec.default[0]) if spec.default else (int if spec.unit in ('', 'id') else float)
 
 
 def _scalar(spec: Spec, wanted: type, item: Any, seen: Any) -> Any:

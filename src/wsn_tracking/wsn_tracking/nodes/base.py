@@ -11,7 +11,6 @@ from typing import Any, Generic, TypeVar
 
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
-from rcl_interfaces.msg import ParameterDescriptor
 from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from rclpy.publisher import Publisher
@@ -20,11 +19,11 @@ from rclpy.subscription import Subscription
 from std_msgs.msg import String
 from wsn_tracking_msgs import msg
 
-from wsn_tracking import parameters
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.models.anchors import Anchors
 from wsn_tracking.node_parameters.common import NodeConfig
 from wsn_tracking.nodes import convert, qos
+from wsn_tracking.nodes.declaring import declare, qos_overrides, warn_of_strangers
 from wsn_tracking.nodes.executor import make_executor
 from wsn_tracking.nodes.health import Health, flow
 from wsn_tracking.nodes.matching import Matching
@@ -45,8 +44,10 @@ class TrackingNode(Node, Generic[Config]):
 
     def __init__(self, name: str, kind: type[Config]) -> None:
         super().__init__(name)
-        self.config: Config = self._declare(kind)
-        self._common: NodeConfig = self._declare(NodeConfig)
+        self.config: Config = declare(self, kind)
+        self._common: NodeConfig = declare(self, NodeConfig)
+        warn_of_strangers(self)
+        self._overrides = qos_overrides(self)
         self._matching = Matching(self._common)
         self.ended = False  # whether the feed has ended
         self._said_ready = False
@@ -83,11 +84,13 @@ class TrackingNode(Node, Generic[Config]):
                 return
             then(arrived, now)
 
-        return self._matching.subscription(self.create_subscription(kind, topic, callback, profile), topic)
+        made = self.create_subscription(kind, topic, callback, profile, qos_overriding_options=self._overrides)
+        return self._matching.subscription(made, topic)
 
     def give(self, kind: type[Any], topic: str, profile: QoSProfile) -> Publisher:
         """Publish on a topic that others may wait for."""
-        return self._matching.publisher(self.create_publisher(kind, topic, profile), topic)
+        made = self.create_publisher(kind, topic, profile, qos_overriding_options=self._overrides)
+        return self._matching.publisher(made, topic)
 
     def take_anchors(self) -> None:
         """Subscribe the latched table; the first one counts until another arrives."""
@@ -130,19 +133,6 @@ class TrackingNode(Node, Generic[Config]):
         self._diagnostics.publish(array)
 
     # ---- within
-
-    def _declare(self, kind: type[Any]) -> Any:
-        values = {}
-        for spec in parameters.specs(kind):
-            default = list(spec.default) if isinstance(spec.default, tuple) else spec.default
-            descriptor = ParameterDescriptor(
-                description=spec.why,
-                additional_constraints=spec.expected,
-                read_only=True,
-                dynamic_typing=True,
-            )
-            values[spec.name] = self.declare_parameter(spec.name, default, descriptor).value
-        return parameters.build(kind, values)
 
     def _hold_anchors(self, anchors: Anchors, now: float) -> None:
         self.anchors = anchors
