@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from consensus_cases import anchors_of, epoch_of, network_of
 
+from wsn_tracking.trackers import consensus_group
 from wsn_tracking.trackers.consensus_config import ConsensusConfig
 from wsn_tracking.trackers.consensus_group import ConsensusGroup
 from wsn_tracking.trackers.consensus_network import run_epoch
@@ -120,6 +121,16 @@ def test_a_node_that_lags_by_an_epoch_is_waited_for_again_but_one_that_repeats_i
     list(left.advance(100.0))
     assert left.nodes[2].awaited == awaited
     assert left.counters['foreign_epoch'] == 1
+
+
+def test_a_group_that_cannot_keep_up_skips_epochs_and_counts_them(monkeypatch):
+    monkeypatch.setattr(consensus_group, 'MAX_QUEUE', 2)
+    (group,) = groups_of((1, 2, 3, 4))
+    assert [group.begin(epoch_of(k, Z)) for k in range(4)] == [True, True, False, False]
+    assert group.counters == {'skipped_epoch': 2}
+    done = [(said.source, said.request_seq) for said in group.advance(0.0) if isinstance(said, Estimate)]
+    assert sorted(done) == [(f'consensus_{i}', k) for i in (1, 2, 3, 4) for k in (0, 1)]
+    assert group.begin(epoch_of(4, Z))
 
 
 def test_epochs_queue_and_are_forgotten_by_a_reset():

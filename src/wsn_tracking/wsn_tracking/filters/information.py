@@ -17,6 +17,7 @@ from wsn_tracking.models.measurement import POSITION, Function
 from wsn_tracking.models.range_bearing import innovation
 
 LOG_2PI = float(np.log(2.0 * np.pi))
+ROUNDING = 1e-12  # of an eigenvalue, in units of the largest
 
 
 class Information(NamedTuple):
@@ -127,6 +128,12 @@ def is_definite(information: Information) -> Mask:
         lowest = np.linalg.eigvalsh(information.matrix)[..., 0]
         return np.asarray(lowest > 0.0)
     return np.ones(information.vector.shape[:-1], dtype=np.bool_)
+
+
+def is_semidefinite(information: Information) -> Mask:
+    """Where Y has no negative eigenvalue beyond rounding, as every sum and average of contributions has, (...)."""
+    values = np.linalg.eigvalsh(information.matrix)
+    return np.asarray(values[..., 0] >= -ROUNDING * values[..., -1])
 
 
 # ---- information as one row of numbers, for whoever sends or averages it

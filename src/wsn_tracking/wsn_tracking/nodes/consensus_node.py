@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping
+from functools import partial
 from typing import Any
 
 from nav_msgs.msg import Odometry
 from wsn_tracking_msgs import msg
 
+from wsn_tracking.errors import TrackingError
 from wsn_tracking.models.anchors import Anchors
 from wsn_tracking.node_parameters.consensus import ConsensusNodeConfig
 from wsn_tracking.nodes import convert, convert_consensus, qos
@@ -17,6 +19,7 @@ from wsn_tracking.nodes.base import TrackingNode, run
 from wsn_tracking.nodes.health import Health, neighbours, worst
 from wsn_tracking.nodes.inputs import take_measurements
 from wsn_tracking.sensing.values import Epoch, EpochEnd
+from wsn_tracking.trackers.consensus_door import Door
 from wsn_tracking.trackers.consensus_group import ConsensusGroup
 from wsn_tracking.trackers.consensus_node import ConsensusNode
 from wsn_tracking.trackers.consensus_report import Outcome, report_of
@@ -67,7 +70,8 @@ class ConsensusProcess(TrackingNode[ConsensusNodeConfig]):
                 self.give(Odometry, f'odometry/consensus_{i}', qos.ESTIMATES),
             )
         for i in group.foreign:
-            self.take(msg.ConsensusShare, f'consensus/node_{i}', convert.share_value, self._heard, qos.ESTIMATES)
+            value = partial(_share_of, i, group.door)
+            self.take(msg.ConsensusShare, f'consensus/node_{i}', value, self._heard, qos.ESTIMATES)
         self._group = group
         self._assembly.start(anchors, ids)
 
@@ -81,8 +85,8 @@ class ConsensusProcess(TrackingNode[ConsensusNodeConfig]):
     def _begin(self, epoch: Epoch) -> None:
         assert self._group is not None  # the assembly starts with it
         now = time.monotonic()
-        self._begun[epoch.request_seq] = now
-        self._group.begin(epoch)
+        if self._group.begin(epoch):
+            self._begun[epoch.request_seq] = now
         self._advance(now)
 
     def _heard(self, share: Share, now: float) -> None:
@@ -164,6 +168,13 @@ class ConsensusProcess(TrackingNode[ConsensusNodeConfig]):
             values[f'{i}.arrival probability'] = f'{node.arrival_probability:.4f}'
             values[f'{i}.disagreement [m]'] = f'{node.disagreement:.4f}'
         return values
+
+
+def _share_of(node: int, door: Door, message: msg.ConsensusShare) -> Share:
+    """The share that a message on the topic of a node holds; TrackingError where the node cannot have said it."""
+    if message.node_id != node:
+        raise TrackingError(f'a share of node {message.node_id}: expected those of node {node} on this topic')
+    return door.check(convert.share_value(message))
 
 
 def main() -> None:

@@ -9,13 +9,16 @@ from collections import Counter, deque
 from collections.abc import Iterator, Mapping
 
 from wsn_tracking.sensing.values import Epoch
+from wsn_tracking.trackers.consensus_door import Door
 from wsn_tracking.trackers.consensus_node import ConsensusNode
 from wsn_tracking.trackers.consensus_share import Share
 from wsn_tracking.trackers.estimate import Estimate
 
+MAX_QUEUE = 1000  # epochs that wait for a node which is too slow
+
 
 class ConsensusGroup:
-    """Nodes by id; each goes through its epochs in order and at its own pace.
+    """Nodes by id, of one configuration; each goes through its epochs in order and at its own pace.
 
     Round t of an epoch ends when all neighbours were heard, or (t + 1) round_timeout [s] after the epoch began: by this
     schedule a node that waits for a dead neighbour does not make those late that wait for it.
@@ -29,6 +32,12 @@ class ConsensusGroup:
             for sender in node.neighbours:
                 self._hear.setdefault(sender, []).append(i)
         self._stirred: dict[int, None] = {}  # whoever may have something to say
+        self._skipped = 0
+
+    @property
+    def door(self) -> Door:
+        """What shares from outside have to pass before they are received."""
+        return next(iter(self.nodes.values())).door
 
     @property
     def foreign(self) -> tuple[int, ...]:
@@ -40,16 +49,20 @@ class ConsensusGroup:
         """Nodes of the group that have neighbours outside."""
         return tuple(i for i, node in self.nodes.items() if not self.nodes.keys() >= set(node.neighbours))
 
-    def begin(self, epoch: Epoch) -> None:
-        """An epoch's input is complete, for every node of the group."""
+    def begin(self, epoch: Epoch) -> bool:
+        """An epoch's input is complete, for every node of the group; False: it is skipped, since too many wait."""
+        if any(len(member.queue) >= MAX_QUEUE for member in self._members.values()):
+            self._skipped += 1
+            return False
         for i, member in self._members.items():
             member.queue.append(epoch)
             self._stirred[i] = None
+        return True
 
     def receive(self, share: Share) -> None:
-        """What a node, of the group or not, has said."""
+        """What a node has said: one of the group, or another one that has passed the `door`."""
         for i in self._hear.get(share.node_id, ()):
-            self.nodes[i].receive(share)
+            self.nodes[i].take(share)
             self._stirred[i] = None
 
     def advance(self, now: float) -> Iterator[Share | Estimate]:
@@ -76,8 +89,8 @@ class ConsensusGroup:
 
     @property
     def counters(self) -> Counter[str]:
-        """The shares that were not used, by reason."""
-        return sum((node.counters for node in self.nodes.values()), Counter())
+        """The shares that were not used, by reason, and the epochs that were skipped."""
+        return sum((node.counters for node in self.nodes.values()), Counter(skipped_epoch=self._skipped))
 
     @property
     def waits_for(self) -> str:

@@ -7,13 +7,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from wsn_tracking.errors import TrackingError
 from wsn_tracking.models.links import Links, is_cut, lost
 from wsn_tracking.sensing.values import Epoch
 from wsn_tracking.trackers.consensus_config import ConsensusConfig
-from wsn_tracking.trackers.consensus_share import Share, check_share
+from wsn_tracking.trackers.consensus_share import Share
 
-MAX_AHEAD = 10_000  # shares of later epochs that are held
+MAX_AHEAD = 2000  # shares of later epochs that are held of each neighbour
+
+Key = tuple[int, int, int, int]  # stamp, target, epoch and round: one share of a neighbour
 
 
 class Inbox:
@@ -26,7 +27,7 @@ class Inbox:
     def __init__(self, config: ConsensusConfig, own: int, x: float, neighbours: dict[int, float]) -> None:
         self.own, self.neighbours = own, tuple(sorted(neighbours))
         self.counters: Counter[str] = Counter()
-        self._scheme, self._rounds, self._silent_epochs = config.scheme, config.rounds, config.silent_epochs
+        self._rounds, self._silent_epochs = config.rounds, config.silent_epochs
         self._links: Links = config.link.links()
         self._x, self._neighbours_x = x, [neighbours[i] for i in self.neighbours]
         self.reset()
@@ -42,7 +43,7 @@ class Inbox:
         self._heard: set[int] = set()
         self._used: set[int] = set()
         self._latest: dict[int, tuple[int, int]] = {}  # stamp and round in which a neighbour has spoken last
-        self._ahead: list[Share] = []
+        self._ahead: dict[int, dict[Key, Share]] = {i: {} for i in self.neighbours}
 
     def open(self, epoch: Epoch) -> None:
         """An epoch begins; whoever was not heard since the last one began has been silent for one more.
@@ -56,33 +57,36 @@ class Inbox:
         self._epoch, self._round = epoch, 0
         self._shares, self._answered, self._heard, self._used = {}, set(), set(), set()
         self._draw_faults(epoch.request_seq)
-        held, self._ahead = self._ahead, []
-        for share in held:
-            self.receive(share)
+        for held in self._ahead.values():
+            for key in [key for key in held if key[0] <= epoch.stamp_ns]:
+                self.take(held.pop(key))
 
-    def receive(self, share: Share) -> None:
-        """What a neighbour has said. Of an earlier epoch it is dropped, of a later one held until that opens."""
-        try:
-            check_share(share, self._scheme)
-        except TrackingError:
-            self.counters['malformed_share'] += 1
-            return
+    def take(self, share: Share) -> None:
+        """A well-formed share. Of an earlier epoch it is dropped, of a later one held until that opens."""
         if share.node_id not in self._silent:
             self.counters['not_a_neighbour'] += 1
         elif self._epoch is None or share.stamp_ns > self._epoch.stamp_ns:
-            if len(self._ahead) < MAX_AHEAD:
-                self._ahead.append(share)
-            else:
-                self.counters['share_overflow'] += 1
+            self._hold(share)
         elif self._epoch[:3] != (share.target_id, share.request_seq, share.stamp_ns):
             self.counters['foreign_epoch'] += 1
             if share.target_id == self._epoch.target_id and self._is_news(share):
                 # it goes through an earlier epoch only now: late, but alive, unless its link was cut then
                 self._heard |= {share.node_id} - self._cut_in(share.request_seq)
         else:
-            self._take(share)
+            self._take_now(share)
 
-    def _take(self, share: Share) -> None:
+    def _hold(self, share: Share) -> None:
+        """Keep a share of a later epoch; where a neighbour has too many, the one furthest in the future gives way."""
+        held, key = self._ahead[share.node_id], (share.stamp_ns, share.target_id, share.request_seq, share.round)
+        if key in held:
+            self.counters['duplicate_share'] += 1
+            return
+        held[key] = share
+        if len(held) > MAX_AHEAD:
+            del held[max(held)]
+            self.counters['share_overflow'] += 1
+
+    def _take_now(self, share: Share) -> None:
         at = share.round, share.node_id
         if share.node_id in self._cut:
             self.counters['cut_share'] += 1
@@ -90,7 +94,7 @@ class Inbox:
             return
         self._heard.add(share.node_id)
         self._is_news(share)
-        if not self._round <= share.round < self._rounds:
+        if share.round < self._round:
             self.counters['late_share'] += 1
         elif at in self._answered:
             self.counters['duplicate_share'] += 1

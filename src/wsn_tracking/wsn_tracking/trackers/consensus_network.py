@@ -23,4 +23,4 @@ def _deliver(nodes: Mapping[int, ConsensusNode], shares: Mapping[int, Share]) ->
     for sender, share in shares.items():
         for i in nodes[sender].neighbours:
             if i in shares:
-                nodes[i].receive(share)
+                nodes[i].take(share)

@@ -24,10 +24,11 @@ from wsn_tracking.models.graph import adjacency, degrees, reached
 from wsn_tracking.sensing.values import Epoch
 from wsn_tracking.trackers.consensus import Local, local_step, posterior
 from wsn_tracking.trackers.consensus_config import ConsensusConfig, loss_model_of, noise_of, prior_of
+from wsn_tracking.trackers.consensus_door import Door
 from wsn_tracking.trackers.consensus_inbox import Inbox
 from wsn_tracking.trackers.consensus_report import Outcome
 from wsn_tracking.trackers.consensus_rounds import Averaging, Flooding, Rounds
-from wsn_tracking.trackers.consensus_share import Share, bitmap, ids_of, to_bytes
+from wsn_tracking.trackers.consensus_share import Share, ids_of, to_bytes
 from wsn_tracking.trackers.estimate import Estimate, Kind
 from wsn_tracking.trackers.observation import observation_of
 
@@ -52,7 +53,7 @@ class ConsensusNode:
             graph[row] = graph[:, row] = np.isin(anchors.ids, anchors.select(neighbours).ids)
         x = dict(zip(anchors.ids[graph[row]].tolist(), anchors.positions[graph[row], 0].tolist(), strict=True))
         self.inbox = Inbox(config, node_id, float(anchors.positions[row, 0]), x)
-        self._all = bitmap(anchors.ids.tolist())
+        self.door = Door(config, anchors.ids.tolist())
         self._reach = float(reached(graph, config.rounds)[row].sum())
         self._scheme = SCHEMES[config.scheme]
         self._omegas: list[float] = []
@@ -110,8 +111,17 @@ class ConsensusNode:
         return self._share(self._now)
 
     def receive(self, share: Share) -> None:
-        """What a neighbour has said, at any time."""
-        self.inbox.receive(share)
+        """What somebody has said, at any time; what cannot be true is refused and counted."""
+        try:
+            self.door.check(share)
+        except TrackingError:
+            self.counters['malformed_share'] += 1
+        else:
+            self.take(share)
+
+    def take(self, share: Share) -> None:
+        """The same of a share that has passed the `door`, of this node or of another one alike."""
+        self.inbox.take(share)
 
     @property
     def awaited(self) -> tuple[int, ...]:
@@ -125,7 +135,7 @@ class ConsensusNode:
         degree = len(self.inbox.active)
         now.rounds.close(shares, degree, missed=len(shares) < degree)
         for share in shares:
-            self._bits |= int.from_bytes(share.live, 'little') & self._all
+            self._bits |= int.from_bytes(share.live, 'little')
         self._round += 1
         return self._share(now)
 
