@@ -55,6 +55,22 @@ def test_request_that_nobody_else_heard_finds_its_place():
     assert host.pair(13, 1300) == (13, True)
 
 
+@pytest.mark.parametrize('period', [50, 100, 1000])
+@pytest.mark.parametrize('held_up', [600, 1600, 2900])
+def test_report_that_was_held_up_belongs_to_its_request_and_moves_no_other(period, held_up):
+    host = Host()
+    behind = held_up // period
+    for k in range(250):
+        if k != 150:
+            assert host.pair(k, period * k) == (k, True)
+        if k == 120 + behind:
+            assert host.pair(120, period * 120 + held_up) == (120, False)
+        if k == 150 + behind:  # of which nobody else had told
+            assert host.pair(150, period * 150 + held_up) == (150, True)
+            times = [time for _, time in host.robot.requests]
+            assert times == sorted(times)
+
+
 def test_robot_that_restarts_goes_on_upwards():
     host = Host()
     for k in range(200):

@@ -291,6 +291,17 @@ def test_silent_sink_is_pinged_and_kept(sink, host):
     assert up.counted('lost') == 0
 
 
+def test_restart_of_which_the_line_told_nothing_is_found_out(sink, host):
+    """The sink's word was lost: it answers pings, its network is down, and it has forgotten our endpoint."""
+    up = host(timeout=dataclasses.replace(FAST, idle=0.05))
+    up.wait_up()
+    sink.answers[c.UtilGetDeviceInfo] = [c.UtilGetDeviceInfoRsp(0, IEEE, 0xFFFE, 7, 0)]
+    sink.answers[c.AfRegister] = lambda asked: [sink.answers.update(script()) or c.AfRegisterRsp(0)]
+    sink.wait_asked(c.ZdoStartup)
+    up.wait_up(2)
+    assert (up.counted('resets'), up.counted('found_down'), up.counted('lost')) == (0, 1, 0)
+
+
 def test_mute_sink_is_lost_after_three_pings_and_opened_for_ever(sink, host):
     up = host(timeout=IMPATIENT)
     up.wait_up()

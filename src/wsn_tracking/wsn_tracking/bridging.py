@@ -50,7 +50,7 @@ class Bridge:
         self._robots: dict[int, Robot] = {}
         self._open: dict[int, dict[int, _Open]] = {}
         self._stamps: dict[int, deque[tuple[int, int]]] = {}
-        self._heard: set[int] = set()
+        self._triggering: set[int] = set()  # nodes that have said that they trigger on board
         self.counters: Counter[str] = Counter()
 
     def take(self, taken: Taken, now_ns: int) -> Iterator[Value]:
@@ -123,7 +123,8 @@ class Bridge:
         return Rssi(stamp, node, target, number, seq, float(record.rssi_dbm), sigma, max(record.n_samples, 1))
 
     def _list(self, target: int, seq: int, value: Rssi | Range, on_board: bool) -> None:
-        self._heard.add(value.node_id)
+        if on_board:
+            self._triggering.add(value.node_id)
         epoch = self._open.get(target, {}).get(seq)
         if epoch is None:
             self.counters['after_epoch_end'] += 1
@@ -137,7 +138,7 @@ class Bridge:
         nodes, seqs = tuple(node for node, _ in epoch.sent), tuple(seq for _, seq in epoch.sent)
         topic = epoch.topic or 'rssi'
         if epoch.on_board:
-            silent = tuple(sorted(self._heard - set(nodes)))
+            silent = tuple(sorted(self._triggering - set(nodes)))
             sent = sorted(epoch.sent)
             yield TriggerReport(
                 request.stamp_ns,

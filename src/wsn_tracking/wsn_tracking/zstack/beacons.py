@@ -2,6 +2,9 @@
 
 A request bears its number modulo 256, and every node says which one it measured. Numbers are unwrapped by the time of
 measurement: a number that comes back, seconds later, is another request. Times are in ns, on any one clock.
+
+The age that a node tells ends where it sends. A report that the network held up (a repeated message, a route that had
+to be found) seems to have been measured later than it was: its number tells that it belongs to an earlier request.
 """
 
 from __future__ import annotations
@@ -12,6 +15,7 @@ MODULUS = 256
 KEPT = 128  # requests of a robot that can still be paired
 PAIR_NS = 500_000_000  # measurements of one request are never further apart than that
 PAIR_UNNUMBERED_NS = 50_000_000  # where nodes do not say which request
+HELD_UP_NS = 3_000_000_000  # no network holds a report up for longer
 
 
 class Robot(NamedTuple):
@@ -43,11 +47,32 @@ def pair(robot: Robot, beacon_seq: int | None, time_ns: int, pair_ns: int = PAIR
     if beacon_seq is None:
         return _open(robot, newest + 1, time_ns)
     seq = newest + ((beacon_seq - newest - 1) % MODULUS) + 1
-    if time_ns < newest_ns:  # measured before the newest one: a request of which nobody else told
-        earlier = seq - MODULUS
-        if earlier >= 0 and earlier not in dict(robot.requests):
-            return _open(robot, earlier, time_ns)
-    return _open(robot, seq, time_ns)
+    earlier = seq - MODULUS
+    if earlier < 0:
+        return _open(robot, seq, time_ns)
+    is_known = earlier in dict(robot.requests)
+    if time_ns < newest_ns and not is_known:  # measured before the newest one: a request of which nobody else told
+        return _open(robot, earlier, time_ns)
+    then_ns = _time_of(robot, earlier, seq, time_ns)
+    if then_ns is None:
+        return _open(robot, seq, time_ns)
+    return Paired(robot, earlier, first=False) if is_known else _open(robot, earlier, then_ns)
+
+
+def _time_of(robot: Robot, earlier: int, seq: int, time_ns: int) -> int | None:
+    """When request `earlier` was, if a report of it was held up until `time_ns`; None where it is of `seq` after all.
+
+    The requests that are known tell how fast the robot counts: `seq` cannot have come in less than half its time.
+    """
+    (first, first_ns), (newest, newest_ns) = robot.requests[0], robot.requests[-1]
+    if newest - earlier >= KEPT or newest == first:
+        return None
+    period_ns = (newest_ns - first_ns) / (newest - first)
+    if 2 * (time_ns - newest_ns) >= (seq - newest) * period_ns:
+        return None
+    number, near_ns = min(robot.requests, key=lambda r: abs(r[0] - earlier))
+    then_ns = round(near_ns + (earlier - number) * period_ns)
+    return then_ns if 0 <= time_ns - then_ns <= HELD_UP_NS else None
 
 
 def _open(robot: Robot, seq: int, time_ns: int) -> Paired:

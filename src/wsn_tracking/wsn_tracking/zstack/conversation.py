@@ -6,7 +6,13 @@ import time
 from collections import deque
 
 from wsn_tracking.errors import TrackingError
-from wsn_tracking.zstack.commands import AfDataRequestRsp, Command
+from wsn_tracking.zstack.commands import (
+    COORDINATOR_UP,
+    AfDataRequestRsp,
+    Command,
+    UtilGetDeviceInfo,
+    UtilGetDeviceInfoRsp,
+)
 from wsn_tracking.zstack.dialogue import Dialogue
 from wsn_tracking.zstack.queues import Outbox
 from wsn_tracking.zstack.startup import ping
@@ -15,7 +21,7 @@ Questions = deque[tuple[Command, type[Command]]]
 
 
 class Watchdog:
-    """Pings a silent sink; after so many misses it is lost."""
+    """Pings a silent sink; after so many misses it is lost. One whose network is down has restarted unheard."""
 
     def __init__(self, dialogue: Dialogue) -> None:
         self._dialogue = dialogue
@@ -45,7 +51,16 @@ class Watchdog:
             dialogue.counters['pings_missed'] += 1
             if self._misses >= dialogue.timeout.misses:
                 raise TrackingError(f'the sink has not answered {self._misses} pings: is it still there?') from None
+        else:
+            self._look_at_network()
         return True
+
+    def _look_at_network(self) -> None:
+        """The line may have lost what a sink said when it restarted: without its network no message will come."""
+        device = _try(self._dialogue, UtilGetDeviceInfo(), UtilGetDeviceInfoRsp)
+        if isinstance(device, UtilGetDeviceInfoRsp) and device.state != COORDINATOR_UP:
+            self._dialogue.counters['found_down'] += 1
+            self._dialogue.restarted = True
 
 
 def speak(dialogue: Dialogue, outbox: Outbox, questions: Questions) -> bool:

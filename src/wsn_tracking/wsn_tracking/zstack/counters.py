@@ -18,7 +18,17 @@ REJECTED = (
     'line_version',
     'line_field',
 )
-LINK = ('reports', 'opened', 'open_failed', 'attached', 'lost', 'pings', 'pings_missed', 'internal_errors')
+LINK = (
+    'reports',
+    'opened',
+    'open_failed',
+    'attached',
+    'lost',
+    'pings',
+    'pings_missed',
+    'found_down',
+    'internal_errors',
+)
 
 
 def new_counters() -> dict[str, int]:
