@@ -1,0 +1,132 @@
+"""Bad shares beside good ones, on the topics of a running consensus_node: refused, counted, and never in an estimate."""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+import pytest
+from diagnostic_msgs.msg import DiagnosticArray
+from wsn_tracking_msgs import msg
+
+from live import private_domain, started
+from observer import observing
+from wsn_tracking.evaluation.run import epochs_of
+from wsn_tracking.evaluation.run_consensus import run_consensus
+from wsn_tracking.graphs import Process
+from wsn_tracking.graphs.consensus import districts
+from wsn_tracking.nodes import convert, qos
+from wsn_tracking.sensing.values import EpochEnd, RangeBearing, Request
+from wsn_tracking.simulation.b_field import FieldConfig, b_field
+from wsn_tracking.simulation.record import record
+from wsn_tracking.trackers.consensus_config import ConsensusConfig
+from wsn_tracking.trackers.consensus_group import ConsensusGroup
+from wsn_tracking.trackers.consensus_node import ConsensusNode
+from wsn_tracking.trackers.consensus_share import Share
+
+TIMEOUT = 60.0  # [s]
+EPOCHS = 5
+NAN, INF = float('nan'), float('inf')
+TOPICS = {
+    Request: ('request', msg.LocationRequest, convert.request_message),
+    RangeBearing: ('observation', msg.RangeBearing, convert.range_bearing_message),
+    EpochEnd: ('epoch_end', msg.EpochEnd, convert.epoch_end_message),
+}
+
+
+def scaled(share, factor):
+    """A share all of whose numbers are multiplied."""
+    names = ('information_vector', 'information', 'items')
+    return share._replace(**{name: tuple(factor * x for x in getattr(share, name)) for name in names})
+
+
+def refused(share):
+    """What no node can have said in place of this."""
+    yield from (scaled(share, factor) for factor in (NAN, INF, -1.0, 1e300))
+    yield share._replace(information=share.information[:-1], items=share.items[:-1])
+    yield share._replace(items=(0.0,) * 14 * 500, item_ids=(7,) * 500)
+    yield share._replace(scheme='hcmci')
+    yield share._replace(round=65535)
+    yield share._replace(degree=65535)
+    yield share._replace(live=b'\xff' * 60_000)
+    yield share._replace(node_id=share.node_id % 65535 + 1)  # another one's, on this node's topic
+
+
+def dropped(share):
+    """Of other epochs than that which is going on."""
+    yield share._replace(request_seq=share.request_seq + 1000)
+    yield share._replace(target_id=9)
+    yield share._replace(stamp_ns=0)
+    yield share._replace(stamp_ns=2**31 * 10**9 - 1, request_seq=2**32 - 1)
+
+
+@pytest.mark.parametrize('scheme', ['icf', 'flood'])
+def test_bad_shares_are_counted_and_change_not_a_bit(scheme):
+    """Half of the nodes live in a process, the others in the test; each good share comes behind many bad ones."""
+    recording = record(b_field(FieldConfig(nodes=6, width=120.0, depth=140.0, epochs=EPOCHS)), 3)
+    config = ConsensusConfig(scheme=scheme, rounds=4)
+    inside, outside = districts(recording.anchors, 2)
+    group = ConsensusGroup({i: ConsensusNode(config, recording.anchors, i) for i in outside}, TIMEOUT)
+    timing = {'round_timeout': TIMEOUT, 'loss_timeout': TIMEOUT, 'input': 'observation', 'ids': list(inside)}
+    process = Process('consensus_node', 'consensus', {'scheme': scheme, 'rounds': config.rounds, **timing})
+    with (
+        private_domain() as environment,
+        observing(environment) as observer,
+        started([process], environment) as running,
+    ):
+        node = observer.node
+        feeds = {topic: node.create_publisher(kind, topic, qos.MEASUREMENTS) for topic, kind, _ in TOPICS.values()}
+        node.create_publisher(msg.Anchors, 'anchors', qos.LATCHED_LAST).publish(
+            convert.anchors_message(recording.anchors, 0)
+        )
+        ours = {
+            i: node.create_publisher(msg.ConsensusShare, f'consensus/node_{i}', qos.ESTIMATES)
+            for i in group.heard_outside
+        }
+        counted = dict.fromkeys(ours, 0)
+
+        def say():
+            """Whatever the nodes in the test have to say; what comes back is heard as it comes."""
+            for said in group.advance(0.0):
+                if isinstance(said, Share) and said.node_id in ours:
+                    bad = [share for share in refused(said) if share != said]  # a share may hold no number to spoil
+                    counted[said.node_id] += len(bad)
+                    for share in (*bad, *dropped(said), said):
+                        ours[said.node_id].publish(convert.share_message(share))
+
+        def hear(message):
+            group.receive(group.door.check(convert.share_value(message)))
+            say()
+
+        for i in group.foreign:
+            node.create_subscription(msg.ConsensusShare, f'consensus/node_{i}', hear, qos.ESTIMATES)
+        told = observer.collect(DiagnosticArray, '/diagnostics', qos.ESTIMATES)
+        seen = {i: observer.collect(msg.TargetEstimate, f'estimate/consensus_{i}', qos.ESTIMATES) for i in inside}
+        for publisher in (*feeds.values(), *ours.values()):
+            observer.until(partial(publisher.get_subscription_count), TIMEOUT, publisher.topic_name)
+        for i in inside:
+            observer.until(partial(node.count_publishers, f'estimate/consensus_{i}'), TIMEOUT, f'node {i}')
+        for epoch in epochs_of(recording, 1, {}, lambda: None):
+            for message in recording.messages:
+                of = message.seq if isinstance(message, Request) else message.request_seq
+                if of == epoch.request_seq:
+                    topic, _, to_message = TOPICS[type(message)]
+                    feeds[topic].publish(to_message(message))
+            group.begin(epoch)
+            say()
+            observer.until(
+                lambda k=epoch.request_seq: all(e and e[-1].request_seq == k for e in seen.values()),
+                TIMEOUT,
+                f'all estimates of epoch {epoch.request_seq}',
+            )
+        told.clear()
+        observer.until(lambda: told, TIMEOUT, 'diagnostics')
+        assert running['consensus'].poll() is None
+    offline = run_consensus(recording, config).estimates
+    for i, estimates in seen.items():
+        for one, other in zip(estimates, offline[f'consensus_{i}'], strict=True):
+            assert (one.mean.tobytes(), one.covariance.tobytes()) == (other.mean.tobytes(), other.covariance.tobytes())
+    values = {p.key: p.value for p in told[-1].status[0].values}
+    assert {i: int(values[f'malformed.consensus/node_{i}']) for i in ours} == counted
+    assert min(counted.values()) > 8 * EPOCHS * config.rounds
+    assert int(values['dropped.foreign_epoch']) >= 3 * EPOCHS * config.rounds
