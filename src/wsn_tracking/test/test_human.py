@@ -14,8 +14,10 @@ from wsn_tracking.models.anchors import make_anchors
 from wsn_tracking.models.body import LOS, NLOS, SINGLE
 from wsn_tracking.models.body_likelihood import Readings
 from wsn_tracking.models.draws import keyed
+from wsn_tracking.models.radio_map import make_map
 from wsn_tracking.models.walk import PSI, STATES, WALKING, X, Y
 from wsn_tracking.parameters import build, specs
+from wsn_tracking.sensing.channel import Channel, PathLoss, Quantity, save_channel
 from wsn_tracking.sensing.values import NAN, Epoch, Modality, Range, RangeBearing, Rssi
 from wsn_tracking.simulation.c_body import BodyConfig, body_scenario, nodes
 from wsn_tracking.simulation.record import START_NS, TARGET, record
@@ -23,10 +25,10 @@ from wsn_tracking.trackers.estimate import Kind, check_usable
 from wsn_tracking.trackers.human import HUMAN, HumanTracker
 from wsn_tracking.trackers.human_config import (
     PROFILES,
-    ChannelConfig,
     HumanConfig,
     MotionConfig,
     ResamplingConfig,
+    SignalConfig,
     StartConfig,
 )
 from wsn_tracking.trackers.human_filter import HumanFilter
@@ -72,7 +74,7 @@ def same(one, other):
 def test_a_profile_is_what_single_parameters_do_not_say(profile):
     config = HumanConfig(profile=profile)
     chosen = PROFILES[profile]
-    assert (config.motion_kind, config.kernel.kind) == (chosen['motion'], chosen['channel'])
+    assert (config.motion_kind, config.kernel.kind) == (chosen['motion'], chosen['signal'])
     assert (config.v_max, config.extra_db, config.kernel.outlier) == (
         chosen['v_max'],
         chosen['extra'],
@@ -85,9 +87,9 @@ def test_a_profile_is_what_single_parameters_do_not_say(profile):
             'profile': profile,
             'motion.kind': 'random_walk',
             'motion.v_max': 1.5,
-            'channel.kind': 'single',
-            'channel.extra': 0.0,
-            'channel.outlier': 0.0,
+            'signal.kind': 'single',
+            'signal.extra': 0.0,
+            'signal.outlier': 0.0,
             'start.draws': 0,
             'start.reset_epochs': 0,
         },
@@ -115,7 +117,7 @@ def test_every_parameter_is_described_and_its_default_is_accepted():
     [
         (HumanConfig(area=(0.0, 0.0, -1.0, 1.0)), 'expected x_min'),
         (HumanConfig(area=(0.0, 0.0)), 'expected x_min'),
-        (HumanConfig(channel=ChannelConfig(los=(1.0,))), 'channel.los'),
+        (HumanConfig(signal=SignalConfig(los=(1.0,))), 'signal.los'),
         (HumanConfig(motion=MotionConfig(slowest=3.0)), 'motion.fastest'),
         (HumanConfig(resampling=ResamplingConfig(kld_least=10, kld_most=5)), 'kld_most'),
     ],
@@ -127,11 +129,11 @@ def test_contradictions_are_refused(config, words):
 
 def test_given_curves_are_for_every_node_and_loss_is_of_all():
     anchors = make_anchors([1, 2], [[0.0, 0.0], [5.0, 0.0]], p1_dbm=[-40.0, -60.0], n=2.0)
-    given_ = curves_of(HumanConfig(channel=ChannelConfig(curves='given', body_loss=-6.5)), anchors)
+    given_ = curves_of(HumanConfig(signal=SignalConfig(curves='given', body_loss=-6.5)), anchors)
     for curve, base in zip(given_, (LOS, NLOS, SINGLE), strict=True):
         np.testing.assert_array_equal(curve.p_ref, np.full(2, base.p_ref - 6.5))
         np.testing.assert_array_equal(curve.k, np.full(2, base.k))
-    own = curves_of(HumanConfig(channel=ChannelConfig(body_loss=-6.5)), anchors)
+    own = curves_of(HumanConfig(signal=SignalConfig(body_loss=-6.5)), anchors)
     np.testing.assert_allclose(own.single.p_ref, [-46.5, -66.5])
 
 
@@ -387,7 +389,7 @@ def test_any_readings_at_any_time(seed, profile, dof, motion, kind):
         particles=50,
         area=AREA,
         lag=2.0,
-        channel=ChannelConfig(dof=dof),
+        signal=SignalConfig(dof=dof),
         motion=MotionConfig(kind=motion),
         resampling=ResamplingConfig(kind=kind, kld=float(rng.choice([0.0, 0.1]))),
         start=StartConfig(draws=60, gap=20.0),
@@ -436,27 +438,144 @@ def test_a_target_that_is_elsewhere_is_found_again_and_counted():
     assert never.counters['reset'] == 0
 
 
-def test_a_map_is_kept_to_from_the_first_particle_on():
-    def inside(points):
-        return np.hypot(points[..., 0] - 50.0, points[..., 1] - 50.0) < 45.0
+WITH_A_YARD = """x,y
+0,0
+100,0
+100,100
+0,100
 
-    tracker = HumanTracker(FEW, ANCHORS, inside)
-    assert inside(tracker.particles.positions).all()
-    for epoch in EPOCHS:
-        tracker.step(epoch)
-        assert inside(tracker.particles.positions).all()
-    nowhere = HumanTracker(FEW, ANCHORS, lambda points: np.zeros(points.shape[:-1], dtype=bool))
-    bounded(run(nowhere, EPOCHS[:5])[-1])
+40,40
+60,40
+60,60
+40,60
+"""
 
 
-def test_what_nodes_read_beyond_their_curves_is_told_by_a_function():
-    """A radio map of +20 dB everywhere: with it the walk is followed, without it nothing fits."""
-    louder = [
-        e._replace(measurements=tuple(p._replace(rssi_dbm=p.rssi_dbm + 20.0) for p in e.measurements)) for e in EPOCHS
+def test_a_floor_plan_is_kept_to_from_the_first_particle_on(tmp_path):
+    """A house of 100 x 100 m round a yard, inside an area of half its width."""
+    plan = tmp_path / 'layout.csv'
+    plan.write_text(WITH_A_YARD)
+    config = replace(FEW, area=(0.0, 0.0, 50.0, 200.0), floor_plan=str(plan))
+    tracker = HumanTracker(config, ANCHORS)
+    assert tracker._filter.area == (0.0, 0.0, 50.0, 100.0)
+    for epoch in [None, *EPOCHS]:
+        if epoch is not None:
+            bounded(tracker.step(epoch))
+        x, y = tracker.particles.positions.T
+        assert (x <= 50.0).all()
+        assert not ((x > 40.0) & (y > 40.0) & (y < 60.0)).any()
+
+
+@pytest.mark.parametrize('kind', ['walk', 'random_walk', 'disc'])
+def test_nobody_walks_through_a_wall(tmp_path, kind):
+    """Two rooms with a wall of 10 cm between them: who is in one stays there, however long nothing is heard."""
+    plan = tmp_path / 'rooms.csv'
+    plan.write_text('0,0\n4.9,0\n4.9,10\n0,10\n\n5,0\n10,0\n10,10\n5,10\n')
+    config = replace(FEW, area=(), floor_plan=str(plan), motion=MotionConfig(kind=kind), particles=400)
+    human = HumanTracker(config, ANCHORS)._filter
+    rng = np.random.default_rng(1)
+    track = human.begin((), rng)
+    left = track.cloud.s[X] < 4.95
+    assert 100 < left.sum() < 300
+    silent = Readings(np.full(16, np.nan), np.full(16, 3.0), curves_of(config, ANCHORS))
+    for dt in (0.5, 0.5, 3.0, 30.0):
+        track = human.step(track, dt, silent, rng).track
+        assert track.parents is None
+        np.testing.assert_array_equal(track.cloud.s[X] < 4.95, left)
+
+
+def test_a_corner_polygon_is_an_area_too():
+    tracker = HumanTracker(replace(FEW, area=(0.0, 0.0, 100.0, 0.0, 0.0, 100.0)), ANCHORS)
+    run(tracker)
+    assert (tracker.particles.positions.sum(axis=-1) <= 100.0 + 1e-9).all()
+
+
+def test_a_plan_that_cannot_be_read_is_refused(tmp_path):
+    with pytest.raises(TrackingError, match=r'no\.csv cannot be read'):
+        HumanTracker(replace(FEW, floor_plan=str(tmp_path / 'no.csv')), ANCHORS)
+
+
+# --- radios and maps
+
+
+def shifted(by):
+    """The epochs, with node i read by[i] too much."""
+    return [
+        e._replace(measurements=tuple(p._replace(rssi_dbm=p.rssi_dbm + by[p.node_id - 1]) for p in e.measurements))
+        for e in EPOCHS
     ]
-    told = HumanTracker(FEW, ANCHORS, excess=lambda s: np.full((16, s.shape[-1]), 20.0))
-    for (a,), (b,) in zip(run(told, louder), run(HumanTracker(FEW, ANCHORS)), strict=True):
+
+
+def test_radios_and_their_map_come_from_a_channel_file(tmp_path):
+    """Path loss 12 dB higher and a field of +8 dB everywhere: readings 20 dB louder say what the others said."""
+    points = np.stack(np.meshgrid(np.arange(-10.0, 120.0, 10.0), np.arange(-10.0, 120.0, 10.0)), axis=-1).reshape(-1, 2)
+    p1, n = np.full(16, SINGLE.p_ref + 12.0), np.full(16, -SINGLE.k / 10.0)
+    field = np.full((len(points), 16), 8.0)
+    radio_map = make_map(ANCHORS.ids, p1, n, points, field, 0.01, 30.0, 100.0, 0.0, 3.0)
+    three = [Quantity(value, 0.1 + 0.0 * value, value - 0.2, value + 0.2) for value in (p1, n, np.full(16, 3.0))]
+    loss = PathLoss(*three, np.ones(16, int), np.ones(16, int))
+    save_channel(tmp_path / 'with_map.yaml', Channel(ANCHORS.ids, loss, None, radio_map, {}))
+    save_channel(tmp_path / 'without.yaml', Channel(ANCHORS.ids, loss, None, None, {}))
+    config = replace(FEW, signal=SignalConfig(sigma=3.0))
+    plain = HumanTracker(config, ANCHORS)
+    s = plain._track.cloud.s
+    for name, louder in (('with_map', 20.0), ('without', 12.0)):
+        tracker = HumanTracker(replace(config, channel=str(tmp_path / f'{name}.yaml')), ANCHORS)
+        for epoch, other in zip(EPOCHS, shifted(np.full(16, louder)), strict=True):
+            said, same_again = (
+                t._filter.score(s, t._table.read(e)[0]).l for t, e in ((tracker, other), (plain, epoch))
+            )
+            # the file has six digits, the field a noise of 0.01 dB: 1e-3 of what a residual of 60 dB weighs
+            np.testing.assert_allclose(said - said.max(), same_again - same_again.max(), rtol=2e-3, atol=0.05)
+    with_map = HumanTracker(replace(FEW, channel=str(tmp_path / 'with_map.yaml')), ANCHORS)
+    assert with_map.anchors.sigma_db == pytest.approx(np.full(16, 3.0))
+
+
+OFFSETS = SignalConfig(kind='single', outlier=0.0, offset_std=6.0, offset_time=1e5)
+
+
+def test_offsets_of_links_are_learnt():
+    """Links that read up to 9 dB wrong all the time: told of such links, the filter finds them out."""
+    wrong = 9.0 * np.cos(np.arange(16.0) * 2.4)
+    sequence, truth = [], epochs(BodyConfig(duration=120.0), 3)[1]
+    rng = np.random.default_rng(2)
+    for k, place in enumerate(truth):
+        d = np.maximum(np.hypot(*(ANCHORS.positions[:, :2] - place[:2]).T), 0.3)
+        z = SINGLE.p_ref + SINGLE.k * np.log10(d) + wrong + 2.0 * rng.standard_normal(16)
+        packets = tuple(packet(i + 1, z[i], k, 2.0) for i in range(16))
+        sequence.append(Epoch(TARGET, k, START_NS + k * SECOND // 2, packets))
+    rmse = {}
+    for name, signal in {'offsets': OFFSETS, 'none': replace(OFFSETS, offset_std=0.0)}.items():
+        tracker = HumanTracker(replace(FEW, particles=1000, signal=signal), ANCHORS)
+        error = np.array([e[0].mean[:2] for e in run(tracker, sequence)])[-120:] - truth[-120:, :2]
+        rmse[name] = np.sqrt(np.mean(np.sum(error**2, axis=-1)))
+        if name == 'offsets':
+            b = tracker._track.cloud.s[STATES:].mean(axis=-1)
+            assert np.std(b - wrong) < 0.3 * np.std(wrong)
+    assert rmse['offsets'] < 0.5 * rmse['none']
+
+
+def test_offsets_that_are_exactly_known_change_nothing():
+    """Standard deviation 1e-9 dB: the filter without offsets."""
+    with_, without = (replace(FEW, signal=replace(OFFSETS, offset_std=std)) for std in (1e-9, 0.0))
+    for (a,), (b,) in zip(run(HumanTracker(with_, ANCHORS)), run(HumanTracker(without, ANCHORS)), strict=True):
         np.testing.assert_allclose(a.mean, b.mean, rtol=1e-6, atol=1e-6)
+
+
+def test_offsets_are_for_one_curve():
+    with pytest.raises(TrackingError, match=r'offset_std.*single'):
+        HumanTracker(replace(FEW, signal=SignalConfig(offset_std=2.0)), ANCHORS)
+
+
+@pytest.mark.parametrize('kind', sorted(NONSENSE))
+def test_nonsense_leaves_offsets_bounded(kind):
+    signal = replace(OFFSETS, offset_std=2.5, offset_time=5.0, dof=4.0)
+    tracker = HumanTracker(replace(FEW, signal=signal, lag=1.0), ANCHORS)
+    run(tracker, EPOCHS[:3])
+    for k in range(6):
+        bounded(tracker.step(Epoch(TARGET, 3 + k, EPOCHS[3 + k].stamp_ns, NONSENSE[kind](k))))
+        assert np.isfinite(tracker._track.cloud.s).all()
+        assert ((tracker._track.V >= 0.0) & (tracker._track.V <= 2.5**2 + 1e-9)).all()
 
 
 # --- how many particles
@@ -524,7 +643,7 @@ def test_deviations_are_the_packets_else_the_nodes_unless_they_are_set():
         return table.read(Epoch(TARGET, 0, START_NS, (packet(1, -60.0, sigma=4.0), packet(2, -60.0))))[0].sigma[:2]
 
     np.testing.assert_allclose(sigma(HumanConfig()), [4.0, 3.0])
-    np.testing.assert_allclose(sigma(HumanConfig(channel=ChannelConfig(sigma=5.0))), [5.0, 5.0])
+    np.testing.assert_allclose(sigma(HumanConfig(signal=SignalConfig(sigma=5.0))), [5.0, 5.0])
     np.testing.assert_allclose(sigma(HumanConfig(profile='rss_mcl')), np.hypot([4.0, 3.0], 5.6))
 
 

@@ -161,9 +161,3 @@ def test_who_would_leave_stays_and_turns():
     assert np.mean(after[:, PSI][out] == new[:, PSI][out]) < 0.01
     np.testing.assert_array_equal(after[:, PSI][~out], new[:, PSI][~out])
     assert kept(s, s, beyond(s, area), np.random.default_rng(6)) is s
-
-
-def test_a_map_keeps_people_out_beside_the_area():
-    s = particles()
-    out = beyond(s, (0.0, 0.0, 100.0, 50.0), lambda points: points[..., 0] > 20.0)
-    np.testing.assert_array_equal(out, (s[Y] > 50.0) | (s[X] <= 20.0))

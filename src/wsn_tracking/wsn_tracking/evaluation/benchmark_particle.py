@@ -18,7 +18,7 @@ from wsn_tracking.models.anchors import Floats
 from wsn_tracking.models.body import LEAST_DISTANCE, LOS, NLOS, SINGLE, Curve, Curves, mean_rssi
 from wsn_tracking.models.body_likelihood import Readings
 from wsn_tracking.simulation.c_body import BodyConfig, nodes
-from wsn_tracking.trackers.human_config import ChannelConfig, HumanConfig, MotionConfig, ResamplingConfig, StartConfig
+from wsn_tracking.trackers.human_config import HumanConfig, MotionConfig, ResamplingConfig, SignalConfig, StartConfig
 from wsn_tracking.trackers.human_filter import HumanFilter
 
 GROUP, WORK = 'particles', 'PF step, 1000 particles, 16 nodes'
@@ -61,7 +61,7 @@ def our_filter(p: Problem) -> tuple[HumanFilter, Readings]:
     kind = 'single' if len(p.curves) == 1 else 'max'
     config = HumanConfig(
         particles=PARTICLES,
-        channel=ChannelConfig(kind=kind, extra=0.0, outlier=0.0),
+        signal=SignalConfig(kind=kind, extra=0.0, outlier=0.0),
         motion=MotionConfig(kind='random_walk', step=STEP),
         resampling=ResamplingConfig(threshold=1.0),
         start=StartConfig(draws=0, reset_epochs=0),

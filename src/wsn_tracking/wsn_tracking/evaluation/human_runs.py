@@ -73,7 +73,7 @@ def _track_block(
     walks = walks._replace(states=walks.states[block], z=walks.z[block])
     runs = walks.z.shape[:1]
     human = HumanFilter(config.checked(), walks.anchors, walks.area)
-    sigma = np.hypot(config.channel.sigma or walks.anchors.sigma_db, config.extra_db)
+    sigma = np.hypot(config.signal.sigma or walks.anchors.sigma_db, config.extra_db)
     curves = curves_of(config, walks.anchors)
     past = Ancestry(config.lag)
     state = human.begin(runs, generator)

@@ -13,9 +13,9 @@ from wsn_tracking.evaluation.intervals import Figure, ratio_of
 from wsn_tracking.models.anchors import Floats
 from wsn_tracking.simulation.c_body import BodyConfig, CircleConfig, CorridorConfig, SpacingConfig
 from wsn_tracking.trackers.human_config import (
-    ChannelConfig,
     HumanConfig,
     MotionConfig,
+    SignalConfig,
 )
 
 Result = dict[str, Any]
@@ -28,8 +28,8 @@ PAPER_MAX = HumanConfig(profile='paper_max')
 
 def baseline(v_max: float, *, widened: bool = True, **more: Any) -> HumanConfig:
     """rss_mcl; not widened: with the deviation s of the readings alone."""
-    channel = ChannelConfig() if widened else ChannelConfig(extra=0.0)
-    return HumanConfig(profile='rss_mcl', motion=MotionConfig(v_max=v_max), channel=channel, **more)
+    signal = SignalConfig() if widened else SignalConfig(extra=0.0)
+    return HumanConfig(profile='rss_mcl', motion=MotionConfig(v_max=v_max), signal=signal, **more)
 
 
 def direction(v_max: float, **more: Any) -> HumanConfig:

@@ -18,7 +18,7 @@ from wsn_tracking.models.body import SINGLE, mean_rssi
 from wsn_tracking.models.body_likelihood import Readings
 from wsn_tracking.models.walk import STATES
 from wsn_tracking.simulation.c_body import BodyConfig, nodes
-from wsn_tracking.trackers.human_config import ChannelConfig, HumanConfig, MotionConfig, ResamplingConfig, StartConfig
+from wsn_tracking.trackers.human_config import HumanConfig, MotionConfig, ResamplingConfig, SignalConfig, StartConfig
 from wsn_tracking.trackers.human_filter import HumanFilter
 from wsn_tracking.trackers.human_models import curves_of
 
@@ -36,7 +36,7 @@ def parts(runs: int = 60) -> Result:
     found = compare(turned, {'paper_max': PAPER_MAX, 'improved': IMPROVED, 'without_yaw': stiff})
     result['body_turned_30_deg'] = told(found, ('improved', 'paper_max'), ('improved', 'without_yaw'))
     wild = sample(BodyConfig(outliers=0.1), runs, SEED)
-    trusting = replace(IMPROVED, channel=ChannelConfig(outlier=0.0))
+    trusting = replace(IMPROVED, signal=SignalConfig(outlier=0.0))
     found = compare(wild, {'improved': IMPROVED, 'without_mass': trusting, 'paper_max': PAPER_MAX})
     result['outliers_10_percent'] = told(found, ('improved', 'without_mass'))
     return result
@@ -110,7 +110,7 @@ def disc_lag(runs: int = 60, speeds: tuple[float, ...] = (0.5, 1.0, 1.5), v_max:
     for speed in speeds:
         walks, s1 = straight(speed, runs)
         config = HumanConfig(
-            profile='paper_max', channel=ChannelConfig(kind='single'), motion=MotionConfig(v_max=v_max), particles=1000
+            profile='paper_max', signal=SignalConfig(kind='single'), motion=MotionConfig(v_max=v_max), particles=1000
         )
         behind = (walks.states[..., 0] - track(config, walks, SEED).mean[..., 0])[:, walks.times >= 15.0]
         lag = behind.mean(axis=-1)
@@ -133,7 +133,7 @@ def straight(speed: float, runs: int) -> tuple[Walks, float]:
     d = np.hypot(*np.moveaxis(states[..., None, :2] - anchors.positions[:, :2], -1, 0))
     z = mean_rssi(SINGLE, d) + config.sigma * np.random.default_rng(SEED).standard_normal(d.shape)
     walks = Walks(anchors, config.area, t, states, z)
-    human = HumanFilter(HumanConfig(channel=ChannelConfig(kind='single', outlier=0.0)), anchors, config.area)
+    human = HumanFilter(HumanConfig(signal=SignalConfig(kind='single', outlier=0.0)), anchors, config.area)
     generator = np.random.default_rng(SEED)
     variances = []
     for k in range(0, t.size, 10):

@@ -43,13 +43,15 @@ def systems_of(source: Source, trackers: str = '', configuration: str = '') -> t
 def configuration_of(system: str, source: Source) -> str:
     """The configuration of a system for a feed.
 
-    It is the one that the feed names, if of that system; else <system>_<that name>, if there is one; else <system>.
+    It is the one that the feed names, if of that system; else <system>_<that name>, or with fewer of the name's words,
+    if there is one; else <system>.
     """
     named = source.metadata.get('configuration', '')
     if named and system_of(named) == system and (system != RANDOM_Q or named in configuration_names()):
         return named
-    special = f'{system}_{named}'
-    return special if special in configuration_names() else system
+    known, words = configuration_names(), named.split('_')
+    special = ['_'.join([system, *words[:count]]) for count in range(len(words), 0, -1)]
+    return next((name for name in special if name in known), system)
 
 
 def plans_of(

@@ -74,6 +74,13 @@ class BodyLikelihood:
             by_node[heard] = scored.by_node
         return Scored(scored.l, by_node)
 
+    def residuals(self, s: Floats, readings: Readings, excess: Floats | None = None) -> Floats:
+        """What nodes read beyond the single curve and `excess` at particles s (..., S, P), (..., N, P) [dB]."""
+        single = readings.curves.single
+        lg_d2 = log_squared_distances(self._nodes, s, self._work)
+        mean = _column(single.p_ref) + _column(single.k * LG_SQUARED) * lg_d2
+        return _column(readings.z) - (mean if excess is None else mean + excess)
+
     def _scored(
         self, nodes: Geometry, s: Floats, readings: Readings, w: Floats | None, excess: Floats | None
     ) -> Scored:

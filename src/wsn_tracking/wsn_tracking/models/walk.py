@@ -22,7 +22,6 @@ TURN = 2.0 * math.pi
 LEAST_TIME = 0.1  # [s]
 
 Transition = Callable[[Floats, float, np.random.Generator], Floats]
-Inside = Callable[[Floats], Mask]  # points (..., 2) [m] -> whether a person can be there
 
 
 class Disc(NamedTuple):
@@ -158,8 +157,7 @@ def kept(before: Floats, after: Floats, out: Mask, generator: np.random.Generato
     return after
 
 
-def beyond(s: Floats, area: tuple[float, float, float, float], inside: Inside | None = None) -> Mask:
-    """Which particles (..., S, P) are outside the area x_min, y_min, x_max, y_max [m], or not inside."""
+def beyond(s: Floats, area: tuple[float, float, float, float]) -> Mask:
+    """Which particles (..., S, P) are outside the area x_min, y_min, x_max, y_max [m]."""
     x, y = s[..., X, :], s[..., Y, :]
-    out = (x < area[0]) | (x > area[2]) | (y < area[1]) | (y > area[3])
-    return out if inside is None else out | ~inside(np.stack([x, y], axis=-1))
+    return np.asarray((x < area[0]) | (x > area[2]) | (y < area[1]) | (y > area[3]))

@@ -8,6 +8,8 @@ from typing import ClassVar
 from wsn_tracking.models.anchors import Anchors
 from wsn_tracking.node_parameters.trackers import TrackerNodeConfig
 from wsn_tracking.parameters import param
+from wsn_tracking.sensing.channel import check_channel
+from wsn_tracking.sensing.floor_plan import read_floor_plan
 from wsn_tracking.trackers.human import HumanTracker
 from wsn_tracking.trackers.human_config import HumanConfig
 
@@ -24,6 +26,12 @@ class HumanNodeConfig(HumanConfig, TrackerNodeConfig):
         """Itself, or TrackingError where fields contradict each other."""
         HumanConfig.checked(self)
         return self
+
+    def check_files(self) -> None:
+        """Raise TrackingError where a file that is named cannot be read."""
+        check_channel(self.channel)
+        if self.floor_plan:
+            read_floor_plan(self.floor_plan)
 
     def tracker(self, anchors: Anchors, target_id: int) -> HumanTracker:
         """What tracks a target."""

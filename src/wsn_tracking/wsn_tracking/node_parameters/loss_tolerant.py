@@ -7,6 +7,7 @@ from typing import ClassVar
 
 from wsn_tracking.models.anchors import Anchors
 from wsn_tracking.node_parameters.trackers import TrackerNodeConfig
+from wsn_tracking.sensing.channel import check_channel
 from wsn_tracking.trackers.loss_tolerant import OUTPUT, LossTolerantTracker
 from wsn_tracking.trackers.loss_tolerant_config import LossTolerantConfig
 
@@ -21,6 +22,10 @@ class LossTolerantNodeConfig(LossTolerantConfig, TrackerNodeConfig):
         """Itself, or TrackingError where fields contradict each other."""
         LossTolerantConfig.checked(self)
         return self
+
+    def check_files(self) -> None:
+        """Raise TrackingError where a file that is named cannot be read."""
+        check_channel(self.channel)
 
     def tracker(self, anchors: Anchors, target_id: int) -> LossTolerantTracker:
         """What tracks a target."""

@@ -29,6 +29,9 @@ class TrackerNodeConfig(AssemblyConfig):
         """Itself, or TrackingError where fields contradict each other."""
         return self
 
+    def check_files(self) -> None:
+        """Raise TrackingError where a file that is named cannot be read: before anything starts, not within."""
+
     @property
     def expected_targets(self) -> tuple[int, ...]:
         """The targets whose outputs are there from the start; -1: the first that is heard."""

@@ -27,7 +27,7 @@ class TrackerNode(TrackingNode[Config]):
 
     def __init__(self, name: str, kind: type[Config]) -> None:
         super().__init__(name, kind)
-        self.config.checked()
+        self.config.checked().check_files()
         self._outputs: dict[str, tuple[Publisher, Publisher]] = {}
         for target in self.config.expected_targets:
             for output in self.config.outputs(target):

@@ -14,7 +14,7 @@ from wsn_tracking.reproduction.c_people import ONE, PAPER, compared, maps
 from wsn_tracking.reproduction.claims import BEYOND, Claim, Experiment, Figure, Plot, Samples
 from wsn_tracking.reproduction.quantities import bars, mean, median, ratio, root_mean
 from wsn_tracking.simulation.c_body import BodyConfig
-from wsn_tracking.trackers.human_config import ChannelConfig, MotionConfig, ResamplingConfig, StartConfig
+from wsn_tracking.trackers.human_config import MotionConfig, ResamplingConfig, SignalConfig, StartConfig
 
 OURS, LAGGED, MANY = 'improved', 'improved, 3 s later', 'improved, 2000 particles'
 CONFIGS = {
@@ -63,7 +63,7 @@ def trouble(seed: int, runs: int) -> Samples:
     plain, turned = sample(BodyConfig(), runs, seed), sample(BodyConfig(yaw=math.radians(30.0)), runs, seed)
     wild = sample(BodyConfig(outliers=0.1), runs, seed)
     inverted = replace(PAPER_MAX, resampling=ResamplingConfig(inverted=True))
-    trusting = replace(IMPROVED, channel=ChannelConfig(outlier=0.0))
+    trusting = replace(IMPROVED, signal=SignalConfig(outlier=0.0))
     stiff = replace(IMPROVED, motion=MotionConfig(yaw=0.0))
     groups = {
         'plain': (plain, {PAPER: PAPER_MAX, 'resampled as printed': inverted}),

@@ -13,14 +13,16 @@ from wsn_tracking.filters.ancestry import Ancestry
 from wsn_tracking.filters.particle import moments
 from wsn_tracking.filters.start import area_of
 from wsn_tracking.models.anchors import Anchors, Floats
-from wsn_tracking.models.body_likelihood import Readings
 from wsn_tracking.models.draws import Stream
-from wsn_tracking.models.region import region_of
-from wsn_tracking.models.walk import PLANAR, PSI, YAW, Inside
+from wsn_tracking.models.map_excess import with_map
+from wsn_tracking.models.region import Region, region_of
+from wsn_tracking.models.walk import PLANAR, PSI, YAW
+from wsn_tracking.sensing.channel import calibrated
+from wsn_tracking.sensing.floor_plan import read_floor_plan
 from wsn_tracking.sensing.values import Epoch
 from wsn_tracking.trackers.estimate import Estimate, Kind
 from wsn_tracking.trackers.human_config import HumanConfig
-from wsn_tracking.trackers.human_filter import FLOOR, Excess, HumanFilter, Step
+from wsn_tracking.trackers.human_filter import FLOOR, Area, HumanFilter, Step
 from wsn_tracking.trackers.human_readings import SignalTable
 
 HUMAN = 2**34  # the stream of draws of this tracker
@@ -35,23 +37,21 @@ class Particles(NamedTuple):
 
 
 class HumanTracker:
-    """One person: one `step` an epoch, whatever was heard.
+    """One person: one `step` an epoch, whatever was heard."""
 
-    inside: points (..., 2) [m] -> whether a person can be there (..., ), beside the area.
-    excess: particles (..., S, P) -> (..., N, P) [dB] that the nodes should read beyond their curves.
-    """
-
-    def __init__(
-        self, config: HumanConfig, anchors: Anchors, inside: Inside | None = None, excess: Excess | None = None
-    ) -> None:
+    def __init__(self, config: HumanConfig, anchors: Anchors) -> None:
         self.config = config.checked()
+        anchors, radio_map = calibrated(config.channel, anchors)
+        if radio_map is not None:
+            anchors, radio_map = with_map(anchors, radio_map)
         self.anchors = anchors
         self.outputs: tuple[str, ...] = ('human', 'human_lag') if config.lag else ('human',)
         self.counters: Counter[str] = Counter()
-        floor = region_of(tuple(config.area) or area_of(anchors))
-        if inside is None and len(config.area) > 4:
-            inside = floor.contains
-        self._filter = HumanFilter(config, anchors, floor.box, inside, excess)
+        floor = read_floor_plan(config.floor_plan) if config.floor_plan else None
+        if floor is None and len(config.area) > 4:
+            floor = region_of(tuple(config.area))
+        box = _box(tuple(config.area), floor, anchors)
+        self._filter = HumanFilter(config, anchors, box, floor, radio_map)
         self._table = SignalTable(config, anchors, self.counters)
         self._draws = Stream(config.seed, HUMAN)
         self._past = Ancestry(config.lag)
@@ -63,7 +63,7 @@ class HumanTracker:
         self._stamp_ns: int | None = None
         self._begun_ns: int | None = None  # stamp of the epoch that time in `_past` is counted from
         self._heard = False
-        self._last: tuple[Step, Readings] | None = None
+        self._last: Step | None = None
         self._past.clear()
 
     def step(self, epoch: Epoch) -> tuple[Estimate, ...]:
@@ -77,7 +77,7 @@ class HumanTracker:
             generator, dt = self._draws.at(epoch.request_seq), 0.0
         step = self._filter.step(self._track, dt, readings, generator)
         self.counters['reset'] += int(step.reset)
-        self._track, self._last = step.track, (step, readings)
+        self._track, self._last = step.track, step
         self._stamp_ns = max(epoch.stamp_ns, self._stamp_ns or epoch.stamp_ns)
         self._heard = self._heard or bool(ids)
         kind = Kind.LOCAL if self._heard else Kind.START
@@ -108,15 +108,15 @@ class HumanTracker:
     @property
     def particles(self) -> Particles:
         """The particles of the last estimate."""
-        cloud = self._track.cloud if self._last is None else self._last[0].cloud
+        cloud = self._track.cloud if self._last is None else self._last.cloud
         return Particles(np.ascontiguousarray(cloud.s[:2].T), cloud.w)
 
     def state(self) -> Mapping[str, Any]:
         """What the last epoch tells beside the estimate, for diagnostics."""
-        if self._last is None:
+        last = self._last
+        if last is None:
             return {'particles': self.config.particles, 'n_eff': float(self.config.particles), 'reset': False}
-        last, readings = self._last
-        by_node = self._filter.evidence_by_node(last.prior, readings)
+        by_node = self._filter.evidence_by_node(last.prior, last.readings)
         facing = last.cloud.s[PSI] + last.cloud.s[YAW]
         c, s = (float(f(facing) @ last.cloud.w) for f in (np.cos, np.sin))
         return {
@@ -129,3 +129,14 @@ class HumanTracker:
             'heading_known': math.hypot(c, s),  # 0: any direction, 1: this one
             'speed': math.hypot(*last.mean[2:].tolist()),
         }
+
+
+def _box(area: tuple[float, ...], floor: Region | None, anchors: Anchors) -> Area:
+    """The rectangle round where a person can be: both area and floor plan bound it, where both are given."""
+    boxes = [region_of(area).box] if area else []
+    boxes += [floor.box] if floor is not None else []
+    if not boxes:
+        boxes = [region_of(area_of(anchors)).box]
+    low = [max(box[i] for box in boxes) for i in (0, 1)]
+    high = [min(box[i] for box in boxes) for i in (2, 3)]
+    return low[0], low[1], high[0], high[1]

@@ -18,7 +18,7 @@ OF_PROFILE = -1.0  # a number that the profile sets
 PROFILES: Mapping[str, Mapping[str, Any]] = {
     'improved': {
         'motion': 'walk',
-        'channel': 'soft',
+        'signal': 'soft',
         'v_max': 4.0,
         'extra': 0.0,
         'outlier': 0.02,
@@ -27,7 +27,7 @@ PROFILES: Mapping[str, Mapping[str, Any]] = {
     },
     'paper_max': {
         'motion': 'disc',
-        'channel': 'max',
+        'signal': 'max',
         'v_max': 4.0,
         'extra': 0.0,
         'outlier': 0.0,
@@ -36,7 +36,7 @@ PROFILES: Mapping[str, Mapping[str, Any]] = {
     },
     'paper_direction': {
         'motion': 'disc',
-        'channel': 'direction',
+        'signal': 'direction',
         'v_max': 2.0,
         'extra': 0.0,
         'outlier': 0.0,
@@ -45,7 +45,7 @@ PROFILES: Mapping[str, Mapping[str, Any]] = {
     },
     'rss_mcl': {
         'motion': 'disc',
-        'channel': 'single',
+        'signal': 'single',
         'v_max': 3.0,
         'extra': 5.6,
         'outlier': 0.0,
@@ -56,7 +56,7 @@ PROFILES: Mapping[str, Mapping[str, Any]] = {
 
 
 @dataclass(frozen=True)
-class ChannelConfig:
+class SignalConfig:
     """What a node should read."""
 
     kind: str = param(
@@ -90,6 +90,15 @@ class ChannelConfig:
     outlier: float = param(
         OF_PROFILE, 'share of readings that say nothing (uniform over 60 dB); -1: as `profile` says', '', -1.0, 0.9
     )
+    offset_std: float = param(
+        0.0,
+        'standard deviation of what a link reads too much or too little for a while, 2 to 3 dB on real radio; 0: none; '
+        'for one curve (`signal.kind` single)',
+        'dB',
+        0.0,
+        100.0,
+    )
+    offset_time: float = param(4.0, 'correlation time of that', 's', 1e-3, 1e6)
     sharpness: float = param(2.0, 'soft: k, how sharply a body shades', '', 0.0, 50.0)
     least_share: float = param(0.1, 'soft: eps, how often a node ahead is shaded, and one behind is not', '', 1e-3, 0.5)
 
@@ -172,16 +181,29 @@ class HumanConfig:
         'the document; rss_mcl: the baseline with one curve',
         choices=tuple(PROFILES),
     )
-    particles: int = param(500, 'Np', '', 2, 1000000)
+    particles: int = param(
+        500, 'how many particles (Np), at first and unless `resampling.kld` changes it', '', 2, 1000000
+    )
     seed: int = param(0, 'of all draws, which are keyed by seed and epoch', '', 0)
     area: tuple[float, ...] = param(
-        (), 'x_min, y_min, x_max, y_max where a person can be; empty: round the anchors', 'm'
+        (),
+        'where a person can be: x_min, y_min, x_max, y_max, or x, y of each corner; empty: the floor plan, else round '
+        'the anchors',
+        'm',
     )
     target_height: float = param(0.0, 'height at which the node is worn', 'm', -1e4, 1e4)
+    floor_plan: str = param(
+        '',
+        'CSV file of corners x,y [m], an empty line between outline and holes: nobody is outside or walks through '
+        'walls; empty: none',
+    )
+    channel: str = param(
+        '', 'file of `calibrate` with the radios of the nodes and, if it has one, their map; empty: the anchors tell'
+    )
     lag: float = param(
         0.0, 'a second output tells where he was so long ago, by what was heard since; 0: none', 's', 0.0, 60.0
     )
-    channel: ChannelConfig = group(ChannelConfig)
+    signal: SignalConfig = group(SignalConfig)
     motion: MotionConfig = group(MotionConfig)
     resampling: ResamplingConfig = group(ResamplingConfig)
     start: StartConfig = group(StartConfig)
@@ -191,8 +213,13 @@ class HumanConfig:
         if self.area:
             region_of(tuple(self.area))
         for name in ('los', 'nlos', 'single'):
-            if len(getattr(self.channel, name)) != 2:
-                raise TrackingError(f'`channel.{name}` takes two numbers: at 1 m [dBm], and per decade [dB]')
+            if len(getattr(self.signal, name)) != 2:
+                raise TrackingError(f'`signal.{name}` takes two numbers: at 1 m [dBm], and per decade [dB]')
+        if self.signal.offset_std and self.kernel.kind != 'single':
+            raise TrackingError(
+                f'`signal.offset_std` {self.signal.offset_std:g} is for one curve: expected `signal.kind` single, '
+                f'not {self.kernel.kind}'
+            )
         if self.motion.fastest < self.motion.slowest:
             raise TrackingError(
                 f'`motion.fastest` {self.motion.fastest:g} is below `motion.slowest` {self.motion.slowest:g}'
@@ -210,14 +237,14 @@ class HumanConfig:
     @property
     def kernel(self) -> Kernel:
         """How residuals are weighed."""
-        c = self.channel
+        c = self.signal
         outlier = self._chosen(c.outlier, 'outlier')
-        return Kernel(self._chosen(c.kind, 'channel'), c.dof, outlier, c.sharpness, c.least_share)
+        return Kernel(self._chosen(c.kind, 'signal'), c.dof, outlier, c.sharpness, c.least_share)
 
     @property
     def extra_db(self) -> float:
         """Deviation that is added to a reading's own."""
-        return float(self._chosen(self.channel.extra, 'extra'))
+        return float(self._chosen(self.signal.extra, 'extra'))
 
     @property
     def motion_kind(self) -> str:

@@ -3,27 +3,30 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wsn_tracking.filters.adaptive import enough
+from wsn_tracking.filters.link_offsets import Offsets, drifted, learnt, unknown
 from wsn_tracking.filters.particle import Cloud, descended, equal, moments, resampled, reweighed, taken, worth
 from wsn_tracking.filters.resampling import RESAMPLERS, Indices
 from wsn_tracking.models.anchors import Anchors, Floats, Mask
 from wsn_tracking.models.body_likelihood import BodyLikelihood, Readings, Scored
-from wsn_tracking.models.walk import PLANAR, Inside, beyond, drawn, kept
+from wsn_tracking.models.map_excess import excess
+from wsn_tracking.models.radio_map import RadioMap
+from wsn_tracking.models.region import Region
+from wsn_tracking.models.walk import PLANAR, STATES, X, Y, beyond, drawn, kept
 from wsn_tracking.trackers.human_config import HumanConfig
-from wsn_tracking.trackers.human_models import kld_of, transition_of, walk_of
+from wsn_tracking.trackers.human_models import drift_of, kld_of, transition_of, walk_of
 
-LONGEST_STEP = 1.0  # [s] of one transition of a walk
+LONGEST_STEP = 1.0  # [s] of one transition of a walk, and of a straight way that must not meet a wall
 FLOOR = 1e-3  # [m, m/s] least standard deviation that is told
 NOBODY = np.zeros((), dtype=np.bool_)
+BEHIND = slice(STATES, None)  # rows of particles behind those of the walk: offsets of the links
 
 Area = tuple[float, float, float, float]
-Excess = Callable[[Floats], Floats]  # particles (..., S, P) -> (..., N, P) [dB] beyond the curves
 
 
 class Track(NamedTuple):
@@ -33,6 +36,7 @@ class Track(NamedTuple):
     started: Mask  # (...) whether the particles have been placed by what was heard
     strikes: NDArray[np.int64]  # (...) epochs in a row that contradicted the particles
     parents: Indices | None = None  # (..., P) where the particles were in the cloud of the last epoch
+    V: Floats | None = None  # (..., N) [dB^2] variance of the links' offsets
 
 
 class Step(NamedTuple):
@@ -40,6 +44,7 @@ class Step(NamedTuple):
 
     track: Track  # resampled, for the next epoch
     prior: Cloud  # predicted, before what was heard
+    readings: Readings  # what was heard, as uncertain as the links' offsets make it
     cloud: Cloud  # as the estimate saw it
     parents: Indices | None  # (..., P) of these particles in the cloud of the epoch before
     mean: Floats  # (..., 4) position and velocity
@@ -52,7 +57,8 @@ class Step(NamedTuple):
 class HumanFilter:
     """Configuration and nodes; `begin`, then one `step` an epoch.
 
-    inside: where a person can be, beside the area. excess: what nodes should read at particles beyond their curves.
+    floor: where a person can be, beside the area, and through whose edges nobody walks. radio_map: what nodes should
+    read beyond their curves; its columns are those of the anchors.
     """
 
     def __init__(
@@ -60,47 +66,52 @@ class HumanFilter:
         config: HumanConfig,
         anchors: Anchors,
         area: Area,
-        inside: Inside | None = None,
-        excess: Excess | None = None,
+        floor: Region | None = None,
+        radio_map: RadioMap | None = None,
     ) -> None:
         self.config = config
         self.area = area
         self.likelihood = BodyLikelihood(
-            config.kernel, anchors.positions, config.target_height, config.channel.least_distance
+            config.kernel, anchors.positions, config.target_height, config.signal.least_distance
         )
         self._walk = walk_of(config)
         self._transition = transition_of(config)
-        self._longest = LONGEST_STEP if config.motion_kind == 'walk' else math.inf
-        self._inside = inside
-        self._excess = excess
+        steps = config.motion_kind == 'walk' or (config.motion_kind == 'random_walk' and floor is not None)
+        self._longest = LONGEST_STEP if steps else math.inf
+        self._floor = floor
+        self._map = radio_map
+        self._drift = drift_of(config)
+        self._nodes = anchors.ids.size
         self._resample = RESAMPLERS[config.resampling.kind]
         self._kld = kld_of(config)
 
     def begin(self, runs: tuple[int, ...], generator: np.random.Generator) -> Track:
         """Particles anywhere."""
         s = self._anywhere(runs, self.config.particles, generator)
-        return Track(equal(s), np.full(runs, self.config.draws == 0), np.zeros(runs, dtype=np.int64))
+        V = None if self._drift is None else unknown(self._drift, (*runs, self._nodes), 1).V
+        return Track(equal(s), np.full(runs, self.config.draws == 0), np.zeros(runs, dtype=np.int64), V=V)
 
     def step(self, track: Track, dt: float, readings: Readings, generator: np.random.Generator) -> Step:
         """One epoch dt [s] after the last; dt <= 0: nobody moves. Readings are of the nodes (N,) in every run."""
         heard = ~np.isnan(readings.z)
         any_heard = heard.any(axis=-1)
-        s = self._moved(track.cloud.s, dt, generator)
-        prior = Cloud(s, track.cloud.log_w)
-        scored = self.score(s, readings, prior.w if self.config.reset_epochs else None)
+        s, V = self._drifted(self._moved(track.cloud.s, dt, generator), track.V, dt)
+        prior, told = Cloud(s, track.cloud.log_w), widened(readings, V)
+        scored = self.score(s, told, prior.w if self.config.reset_epochs else None)
         cloud, evidence = reweighed(prior, scored.l)
-        strikes, lost = self._struck(track, readings, scored.by_node, heard)
+        strikes, lost = self._struck(track, told, scored.by_node, heard)
         anew = (lost | ~track.started) & any_heard
         parents = track.parents
         if anew.any():
-            cloud, parents = self._placed(cloud, parents, anew, readings, generator)
+            cloud, parents, V = self._placed(cloud, parents, V, anew, readings, generator)
         w = cloud.w
+        cloud, V = self._learnt(cloud, V, readings, w)
         mean, covariance = moments(cloud.s[..., PLANAR, :], w, FLOOR)
         n_eff = worth(w)
         after = self._next(cloud, w, n_eff, generator)
-        following = Track(after[0], track.started | any_heard, np.where(anew, 0, strikes), after[1])
+        following = Track(after[0], track.started | any_heard, np.where(anew, 0, strikes), after[1], V)
         reset = anew & track.started
-        return Step(following, prior, cloud, parents, mean, covariance, evidence, n_eff, reset)
+        return Step(following, prior, told, cloud, parents, mean, covariance, evidence, n_eff, reset)
 
     def evidence_by_node(self, prior: Cloud, readings: Readings) -> Floats:
         """log p(z_i | z_1:t-1) (..., N) of each node; 0 where nothing was heard."""
@@ -110,7 +121,29 @@ class HumanFilter:
 
     def score(self, s: Floats, readings: Readings, w: Floats | None = None) -> Scored:
         """Log-likelihood of an epoch at particles (..., S, P)."""
-        return self.likelihood(s, readings, w, None if self._excess is None else self._excess(s))
+        return self.likelihood(s, readings, w, self._excess(s))
+
+    def _excess(self, s: Floats) -> Floats | None:
+        """What nodes should read at particles beyond their curves, (..., N, P) [dB]: the map's and their links'."""
+        beyond_curves = None if self._map is None else excess(self._map, s)
+        if self._drift is None:
+            return beyond_curves
+        return s[..., BEHIND, :] if beyond_curves is None else beyond_curves + s[..., BEHIND, :]
+
+    def _drifted(self, s: Floats, V: Floats | None, dt: float) -> tuple[Floats, Floats | None]:
+        """The offsets of the links dt [s] later."""
+        if self._drift is None or V is None or dt <= 0.0:
+            return s, V
+        return _with_offsets(s, drifted(Offsets(s[..., BEHIND, :], V), self._drift, dt))
+
+    def _learnt(self, cloud: Cloud, V: Floats | None, readings: Readings, w: Floats) -> tuple[Cloud, Floats | None]:
+        """What an epoch tells of the links."""
+        if V is None:
+            return cloud, V
+        e = self.likelihood.residuals(cloud.s, readings, self._excess(cloud.s))
+        after = learnt(Offsets(cloud.s[..., BEHIND, :], V), e, readings.sigma, w, self.config.signal.dof)
+        s, V = _with_offsets(cloud.s, after)
+        return cloud._replace(s=s), V
 
     def _moved(self, s: Floats, dt: float, generator: np.random.Generator) -> Floats:
         if dt <= 0.0:
@@ -118,8 +151,16 @@ class HumanFilter:
         steps = max(math.ceil(dt / self._longest), 1)
         for _ in range(steps):
             after = self._transition(s, dt / steps, generator)
-            s = kept(s, after, beyond(after, self.area, self._inside), generator)
+            s = kept(s, after, self._lost(s, after), generator)
         return s
+
+    def _lost(self, before: Floats, after: Floats) -> Mask:
+        """Which particles have left the area or the floor, or walked through a wall."""
+        out = beyond(after, self.area)
+        if self._floor is None:
+            return out
+        ways = [np.swapaxes(s[..., X : Y + 1, :], -1, -2) for s in (before, after)]
+        return np.asarray(out | ~self._floor.contains(ways[1]) | self._floor.crossed(*ways))
 
     def _struck(
         self, track: Track, readings: Readings, by_node: Floats | None, heard: Mask
@@ -140,18 +181,30 @@ class HumanFilter:
         x_min, y_min, x_max, y_max = self.area
         corner, size = np.array([[x_min], [y_min]]), np.array([[x_max - x_min], [y_max - y_min]])
         places: Floats = corner + size * generator.random((*runs, 2, n))
-        if self._inside is not None:
-            places = _rather_inside(places, self._inside)
-        return drawn(self._walk, places, generator)
+        if self._floor is not None:
+            places = _rather_inside(places, self._floor)
+        s = drawn(self._walk, places, generator)
+        if self._drift is None:
+            return s
+        return np.concatenate([s, unknown(self._drift, (*runs, self._nodes), n).b], axis=-2)
 
     def _placed(
-        self, cloud: Cloud, parents: Indices | None, anew: Mask, readings: Readings, generator: np.random.Generator
-    ) -> tuple[Cloud, Indices | None]:
-        """The cloud with particles drawn by the likelihood of the epoch alone where `anew`.
+        self,
+        cloud: Cloud,
+        parents: Indices | None,
+        V: Floats | None,
+        anew: Mask,
+        readings: Readings,
+        generator: np.random.Generator,
+    ) -> tuple[Cloud, Indices | None, Floats | None]:
+        """The cloud with particles drawn by the likelihood of the epoch alone where `anew`, and of links unknown.
 
         Their parents are drawn by the old weights: whoever asks where he was hears what was believed then.
         """
         P, batch = cloud.log_w.shape[-1], np.ndim(anew) > 0
+        if self._drift is not None and V is not None:
+            V = np.where(anew[..., None], self._drift.std**2, V)
+            readings = widened(readings, V)
         z, sigma = (column[anew] if batch else column for column in readings[:2])
         n = max(self.config.draws, P)
         candidates = self._anywhere(z.shape[:-1], n, generator)
@@ -164,7 +217,7 @@ class HumanFilter:
             came_from = np.where(anew[..., None], came_from, np.arange(P))
         else:
             s, log_w = equal(new)
-        return Cloud(s, log_w), descended(parents, came_from)
+        return Cloud(s, log_w), descended(parents, came_from), V
 
     def _next(
         self, cloud: Cloud, w: Floats, n_eff: Floats, generator: np.random.Generator
@@ -191,9 +244,21 @@ def _median(values: Floats) -> Floats:
     return np.asarray(0.5 * (pick[0] + pick[1]))
 
 
-def _rather_inside(places: Floats, inside: Inside) -> Floats:
+def widened(readings: Readings, V: Floats | None) -> Readings:
+    """Readings whose links have offsets of variance V (..., N) [dB^2]."""
+    return readings if V is None else readings._replace(sigma=np.sqrt(readings.sigma**2 + V))
+
+
+def _with_offsets(s: Floats, offsets: Offsets) -> tuple[Floats, Floats]:
+    """Particles with these offsets, and their variance."""
+    s = s.copy()
+    s[..., BEHIND, :] = offsets.b
+    return s, offsets.V
+
+
+def _rather_inside(places: Floats, floor: Region) -> Floats:
     """Places (..., 2, n) of which those outside are moved onto others of their run that are inside, if any are."""
-    good = inside(np.swapaxes(places, -1, -2))
+    good = floor.contains(np.swapaxes(places, -1, -2))
     order = np.argsort(~good, axis=-1, kind='stable')  # those inside come first
     count = np.maximum(good.sum(axis=-1, keepdims=True), 1)
     chosen = np.take_along_axis(order, np.arange(places.shape[-1]) % count, axis=-1)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from wsn_tracking.filters.adaptive import Kld
+from wsn_tracking.filters.link_offsets import Drift
 from wsn_tracking.models import walk
 from wsn_tracking.models.anchors import Anchors
 from wsn_tracking.models.body import Curve, Curves, about_anchors
@@ -11,7 +12,7 @@ from wsn_tracking.trackers.human_config import HumanConfig
 
 def curves_of(config: HumanConfig, anchors: Anchors) -> Curves:
     """The channel of every node, (N,)."""
-    c = config.channel
+    c = config.signal
     given = Curves(Curve(*c.los), Curve(*c.nlos), Curve(*c.single))
     chosen = about_anchors(given, anchors) if c.curves == 'anchors' else given
     ones = [curve.p_ref + c.body_loss for curve in chosen], [curve.k for curve in chosen]
@@ -50,3 +51,8 @@ def kld_of(config: HumanConfig) -> Kld | None:
     """How the number of particles follows what is known; None: it does not."""
     r = config.resampling
     return Kld(r.kld, r.kld_cell, least=r.kld_least, most=r.kld_most) if r.kld else None
+
+
+def drift_of(config: HumanConfig) -> Drift | None:
+    """How the links' offsets drift; None: they have none."""
+    return Drift(config.signal.offset_std, config.signal.offset_time) if config.signal.offset_std else None

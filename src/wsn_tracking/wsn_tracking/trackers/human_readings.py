@@ -31,7 +31,7 @@ class SignalTable:
         self._anchors = anchors
         self._rows = {node: row for row, node in enumerate(anchors.ids.tolist())}
         self._curves = curves_of(config, anchors)
-        self._fixed = config.channel.sigma
+        self._fixed = config.signal.sigma
         self._extra = config.extra_db
         self._counters = counters
 
