@@ -1,10 +1,10 @@
-"""Bad shares beside good ones, on the topics of a running consensus_node: refused, counted, and never in an estimate."""
+"""Bad shares beside good ones, on the topics of a running consensus_node: counted, and never in an estimate."""
 
 from __future__ import annotations
 
+from collections import Counter
 from functools import partial
 
-import numpy as np
 import pytest
 from diagnostic_msgs.msg import DiagnosticArray
 from wsn_tracking_msgs import msg
@@ -60,73 +60,84 @@ def dropped(share):
     yield share._replace(stamp_ns=2**31 * 10**9 - 1, request_seq=2**32 - 1)
 
 
+class Others:
+    """The nodes that live in the test; each of their good shares goes out behind many bad ones."""
+
+    def __init__(self, nodes, node):
+        self.group = ConsensusGroup(nodes, TIMEOUT)
+        self.refused = dict.fromkeys(self.group.heard_outside, 0)
+        self.outputs = {i: node.create_publisher(msg.ConsensusShare, topic_of(i), qos.ESTIMATES) for i in self.refused}
+        for i in self.group.foreign:
+            node.create_subscription(msg.ConsensusShare, topic_of(i), self.hear, qos.ESTIMATES)
+
+    def begin(self, epoch):
+        self.group.begin(epoch)
+        self.say()
+
+    def hear(self, message):
+        self.group.receive(self.group.door.check(convert.share_value(message)))
+        self.say()
+
+    def say(self):
+        for said in self.group.advance(0.0):
+            if isinstance(said, Share) and said.node_id in self.outputs:
+                bad = [share for share in refused(said) if share != said]  # a share may hold no number to spoil
+                self.refused[said.node_id] += len(bad)
+                for share in (*bad, *dropped(said), said):
+                    self.outputs[said.node_id].publish(convert.share_message(share))
+
+
+def topic_of(i):
+    return f'consensus/node_{i}'
+
+
+class Feed:
+    """Who sends a recording, an epoch at a time."""
+
+    def __init__(self, recording, node):
+        self.messages = recording.messages
+        self.outputs = {
+            topic: node.create_publisher(kind, topic, qos.MEASUREMENTS) for topic, kind, _ in TOPICS.values()
+        }
+        self.table = node.create_publisher(msg.Anchors, 'anchors', qos.LATCHED_LAST)
+        self.table.publish(convert.anchors_message(recording.anchors, 0))
+
+    def send(self, k):
+        for message in self.messages:
+            if (message.seq if isinstance(message, Request) else message.request_seq) == k:
+                topic, _, to_message = TOPICS[type(message)]
+                self.outputs[topic].publish(to_message(message))
+
+
 @pytest.mark.parametrize('scheme', ['icf', 'flood'])
 def test_bad_shares_are_counted_and_change_not_a_bit(scheme):
-    """Half of the nodes live in a process, the others in the test; each good share comes behind many bad ones."""
+    """Half of the nodes live in a process, the others in the test."""
     recording = record(b_field(FieldConfig(nodes=6, width=120.0, depth=140.0, epochs=EPOCHS)), 3)
     config = ConsensusConfig(scheme=scheme, rounds=4)
     inside, outside = districts(recording.anchors, 2)
-    group = ConsensusGroup({i: ConsensusNode(config, recording.anchors, i) for i in outside}, TIMEOUT)
     timing = {'round_timeout': TIMEOUT, 'loss_timeout': TIMEOUT, 'input': 'observation', 'ids': list(inside)}
     process = Process('consensus_node', 'consensus', {'scheme': scheme, 'rounds': config.rounds, **timing})
-    with (
-        private_domain() as environment,
-        observing(environment) as observer,
-        started([process], environment) as running,
-    ):
-        node = observer.node
-        feeds = {topic: node.create_publisher(kind, topic, qos.MEASUREMENTS) for topic, kind, _ in TOPICS.values()}
-        node.create_publisher(msg.Anchors, 'anchors', qos.LATCHED_LAST).publish(
-            convert.anchors_message(recording.anchors, 0)
-        )
-        ours = {
-            i: node.create_publisher(msg.ConsensusShare, f'consensus/node_{i}', qos.ESTIMATES)
-            for i in group.heard_outside
-        }
-        counted = dict.fromkeys(ours, 0)
-
-        def say():
-            """Whatever the nodes in the test have to say; what comes back is heard as it comes."""
-            for said in group.advance(0.0):
-                if isinstance(said, Share) and said.node_id in ours:
-                    bad = [share for share in refused(said) if share != said]  # a share may hold no number to spoil
-                    counted[said.node_id] += len(bad)
-                    for share in (*bad, *dropped(said), said):
-                        ours[said.node_id].publish(convert.share_message(share))
-
-        def hear(message):
-            group.receive(group.door.check(convert.share_value(message)))
-            say()
-
-        for i in group.foreign:
-            node.create_subscription(msg.ConsensusShare, f'consensus/node_{i}', hear, qos.ESTIMATES)
+    with private_domain() as environment, observing(environment) as observer, started([process], environment) as run:
+        feed = Feed(recording, observer.node)
+        others = Others({i: ConsensusNode(config, recording.anchors, i) for i in outside}, observer.node)
         told = observer.collect(DiagnosticArray, '/diagnostics', qos.ESTIMATES)
         seen = {i: observer.collect(msg.TargetEstimate, f'estimate/consensus_{i}', qos.ESTIMATES) for i in inside}
-        for publisher in (*feeds.values(), *ours.values()):
-            observer.until(partial(publisher.get_subscription_count), TIMEOUT, publisher.topic_name)
+        for output in (*feed.outputs.values(), *others.outputs.values()):
+            observer.until(partial(output.get_subscription_count), TIMEOUT, output.topic_name)
         for i in inside:
-            observer.until(partial(node.count_publishers, f'estimate/consensus_{i}'), TIMEOUT, f'node {i}')
-        for epoch in epochs_of(recording, 1, {}, lambda: None):
-            for message in recording.messages:
-                of = message.seq if isinstance(message, Request) else message.request_seq
-                if of == epoch.request_seq:
-                    topic, _, to_message = TOPICS[type(message)]
-                    feeds[topic].publish(to_message(message))
-            group.begin(epoch)
-            say()
-            observer.until(
-                lambda k=epoch.request_seq: all(e and e[-1].request_seq == k for e in seen.values()),
-                TIMEOUT,
-                f'all estimates of epoch {epoch.request_seq}',
-            )
+            observer.until(partial(observer.node.count_publishers, f'estimate/consensus_{i}'), TIMEOUT, f'node {i}')
+        for k, epoch in enumerate(epochs_of(recording, 1, Counter(), lambda: None), 1):
+            feed.send(epoch.request_seq)
+            others.begin(epoch)
+            observer.until(lambda k=k: {len(e) for e in seen.values()} == {k}, TIMEOUT, f'all estimates of epoch {k}')
         told.clear()
         observer.until(lambda: told, TIMEOUT, 'diagnostics')
-        assert running['consensus'].poll() is None
+        assert run['consensus'].poll() is None
     offline = run_consensus(recording, config).estimates
     for i, estimates in seen.items():
         for one, other in zip(estimates, offline[f'consensus_{i}'], strict=True):
             assert (one.mean.tobytes(), one.covariance.tobytes()) == (other.mean.tobytes(), other.covariance.tobytes())
     values = {p.key: p.value for p in told[-1].status[0].values}
-    assert {i: int(values[f'malformed.consensus/node_{i}']) for i in ours} == counted
-    assert min(counted.values()) > 8 * EPOCHS * config.rounds
+    assert {i: int(values[f'malformed.{topic_of(i)}']) for i in others.refused} == others.refused
+    assert min(others.refused.values()) > 8 * EPOCHS * config.rounds
     assert int(values['dropped.foreign_epoch']) >= 3 * EPOCHS * config.rounds
