@@ -6,22 +6,34 @@ from collections.abc import Mapping
 
 from wsn_tracking.zstack.commands import AfIncomingMsg, RpcError, encode
 from wsn_tracking.zstack.firmware.af import AF
+from wsn_tracking.zstack.firmware.app_cnf import APP_CNF
+from wsn_tracking.zstack.firmware.board import BOARD
 from wsn_tracking.zstack.firmware.chip import UP, Chip
 from wsn_tracking.zstack.firmware.flavour import HOME_1_2, Flavour
 from wsn_tracking.zstack.firmware.memory import Item
 from wsn_tracking.zstack.firmware.nib import Network
 from wsn_tracking.zstack.firmware.reader import FirmwareReader
+from wsn_tracking.zstack.firmware.sapi import SAPI
 from wsn_tracking.zstack.firmware.sys import SYS
 from wsn_tracking.zstack.firmware.table import Handler, take
-from wsn_tracking.zstack.firmware.util import APP_CNF, SAPI, UTIL
+from wsn_tracking.zstack.firmware.util import UTIL
 from wsn_tracking.zstack.firmware.zdo import ZDO
 from wsn_tracking.zstack.frames import MAX_DATA, Frame, Kind, encode_frame
 from wsn_tracking.zstack.protocols import Radio
 
 IEEE = 0x00124B0012345678
 DEFAULT_NETWORK = Network(11, 0x1A62, 0xDDDDDDDDDDDDDDDD, 0, 1 << 11)
+DEFAULT_KEY = bytes.fromhex('7a1f4c90d3526be8051c9e47b2f06d38')
 UNKNOWN_SUBSYSTEM, UNKNOWN_COMMAND, WRONG_LENGTH = 1, 2, 4
-TABLES = {1: SYS, 4: AF, 5: ZDO, 6: SAPI, 7: UTIL, 15: APP_CNF}
+SYSTEM = {**SYS.handlers, **BOARD.handlers}
+TABLES: Mapping[int, Mapping[int, Handler]] = {
+    1: SYSTEM,
+    4: AF.handlers,
+    5: ZDO.handlers,
+    6: SAPI.handlers,
+    7: UTIL.handlers,
+    15: APP_CNF.handlers,
+}
 
 
 class Device:
@@ -42,10 +54,11 @@ class Device:
         self.chip = Chip(flavour, ieee, seed, first_tick, now)
         self.reader = FirmwareReader()
         self._tables: Mapping[int, Mapping[int, Handler]] = {
-            number: table.handlers for number, table in TABLES.items() if _has(flavour, number)
+            number: table for number, table in TABLES.items() if _has(flavour, number)
         }
         if network is not None:
             self.chip.memory.put(Item.PAN_ID, network.pan_id.to_bytes(2, 'little'))
+            self.chip.memory.put(Item.KEY, DEFAULT_KEY)
             self.chip.memory.put(Item.CHANNELS, (1 << network.channel).to_bytes(4, 'little'))
             self.chip.memory.remember(network)
             self.chip.state = UP if up else self.chip.state

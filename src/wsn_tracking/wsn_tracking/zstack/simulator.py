@@ -50,10 +50,14 @@ class Told(NamedTuple):
 
 Action = bytes | Plug
 Witness = Callable[[Message, bool], None]  # a message that the radio received, and whether the host is given it
+Measure = Callable[[AirEpoch, float], AirEpoch]  # a request as it is said, and when: what the nodes measure of it
 
 
 class Simulator:
-    """The sink and everything behind it; `witness` is told of every message at the moment it is said."""
+    """The sink and everything behind it; `witness` is told of every message at the moment it is said.
+
+    `measure` may read what the nodes measure off a world that the host has a hand in.
+    """
 
     def __init__(
         self, config: SimulatorConfig, epochs: Sequence[AirEpoch], now: float = 0.0, on_board: Judge = in_radius
@@ -66,6 +70,7 @@ class Simulator:
         self.device = self._device(now)
         self.traffic = Traffic(config.traffic, config.radio, SCALES[config.lqi_scale], config.seed, on_board)
         self.witness: Witness = lambda message, given: None
+        self.measure: Measure = lambda epoch, now: epoch
         self.told: deque[Told] = deque(maxlen=MAX_TOLD)
         self.counters: Counter[str] = Counter()
         self.sent: list[float] = []  # when each epoch was sent, so far
@@ -168,7 +173,8 @@ class Simulator:
 
     def _epoch(self, index: int, start: float) -> None:
         """What happens to sink and nodes, then what the nodes say."""
-        epoch, now = self._epochs[index], self._now
+        now = self._now
+        epoch = self.measure(self._epochs[index], now)
         self.sent.append(now)
         for happening in filter(None, (fault.happens(index) for fault in self.faults)):
             self._happen(happening)

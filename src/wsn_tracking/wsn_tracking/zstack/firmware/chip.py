@@ -68,6 +68,9 @@ class Chip:
         self.groups: dict[tuple[int, int], bytes] = {}
         self.callbacks: set[int] = set()  # clusters of ZDO messages that are passed on as they are
         self.formation_channels = 0
+        self.timers: dict[int, object] = {}  # those that run
+        self.pins = 0
+        self.set_clock = -self.now  # what the clock of the day is ahead of `now` [s]
         self._agenda.clear()
 
     # ---- time
@@ -123,7 +126,9 @@ class Chip:
         self.later(RESTORE_S, lambda: [*self.enter(UP), *after()])
 
     def form(self, after: Later = tuple) -> None:
-        """Form a network as memory says."""
+        """Form a network as memory says; without a key, with a random one."""
+        if not any(self.memory.get(Item.KEY)):
+            self.memory.put(Item.KEY, self.random.randbytes(16))
         for k in range(3):
             self.later(FORM_S * k / 3, lambda: self.enter(STARTING))
 

@@ -27,6 +27,9 @@ class Item(IntEnum):
     USE_EXT_PAN_ID = 0x0047
     LINK_KEYS = 0x004C
     ON_A_NETWORK = 0x0055
+    OLD_POLL_RATE = 0x0024  # is none: it stands for the lower half of the one that took its place
+    POLL_RATE = 0x0035
+    SECURITY_LEVEL = 0x0061
     KEY = 0x0062  # with which networks are formed
     SECURITY_MATERIAL = 0x0075
     SECURITY_GLOBAL = 0x0076
@@ -77,6 +80,7 @@ SETTINGS = {
     0x004B: '02',
     0x0051: '00',
     0x0052: '08',
+    0x0061: '05',  # security level
     0x0064: '04',  # security mode
     0x0065: '01',
     0x006D: '00',
@@ -159,6 +163,8 @@ class Memory:
 
     def read(self, item: int, offset: int, *, guarded: bool = True) -> tuple[int, bytes]:
         """Status, and the bytes from `offset` on; `guarded`: keys are not told."""
+        if item == Item.OLD_POLL_RATE:
+            return SUCCESS, self.get(Item.POLL_RATE)[:2]
         value = self.get(item)
         if offset >= len(value) or (guarded and self._flavour.guards_keys and item in GUARDED):
             return INVALID_PARAMETER, b''
@@ -166,6 +172,7 @@ class Memory:
 
     def write(self, item: int, offset: int, data: bytes) -> int:
         """Status of writing into an item that exists and is long enough."""
+        item = Item.POLL_RATE if item == Item.OLD_POLL_RATE else item
         value = self.get(item)
         if not value or offset + len(data) > len(value):
             return INVALID_PARAMETER
@@ -174,7 +181,7 @@ class Memory:
 
     def create(self, item: int, length: int, data: bytes) -> int:
         """Status of creating an item; one that exists is left as it is."""
-        if self.get(item):
+        if self.get(item) or item == Item.OLD_POLL_RATE:
             return SUCCESS
         if not 0 < length <= MAX_ITEM:
             return INVALID_PARAMETER
@@ -183,6 +190,8 @@ class Memory:
 
     def delete(self, item: int, length: int) -> int:
         """Status of deleting an item of that length."""
+        if item == Item.OLD_POLL_RATE:
+            return SUCCESS
         if not self.get(item):
             return CREATED
         if len(self.get(item)) != length:

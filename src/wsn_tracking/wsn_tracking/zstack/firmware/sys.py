@@ -1,4 +1,4 @@
-"""SYS: reset, ping, version, memory, timers."""
+"""SYS: reset, ping, version, memory."""
 
 from __future__ import annotations
 
@@ -11,9 +11,6 @@ from wsn_tracking.zstack.firmware.table import Table, srsp
 from wsn_tracking.zstack.frames import Frame
 
 SYS = Table()
-TIMERS = 4
-TIMER_EXPIRED = 0x4181
-MAX_POWER_DBM = 4  # of a CC2530
 READ, READ_EXT, WRITE, WRITE_EXT = 0x2108, 0x211C, 0x2109, 0x211D
 
 
@@ -93,30 +90,3 @@ def write_ext(chip: Chip, item: int, offset: int, length: int, data: bytes) -> I
     """SYS_OSAL_NV_WRITE_EXT: a wider offset, and length."""
     status = chip.memory.write(item, offset, data[:length]) if len(data) >= length else INVALID_PARAMETER
     return [srsp(WRITE_EXT, status)]
-
-
-@SYS.on(0x210A, 'BH')
-def start_timer(chip: Chip, timer: int, milliseconds: int) -> Iterable[Frame]:
-    """SYS_OSAL_START_TIMER."""
-    if timer >= TIMERS:
-        return [srsp(0x210A, INVALID_PARAMETER)]
-    chip.later(milliseconds * 1e-3, lambda: [Frame(TIMER_EXPIRED, bytes((timer,)))])
-    return [srsp(0x210A, SUCCESS)]
-
-
-@SYS.on(0x210C)
-def random(chip: Chip) -> Iterable[Frame]:
-    """SYS_RANDOM."""
-    return [srsp(0x210C, chip.random.randbytes(2))]
-
-
-@SYS.on(0x210F, 'Bb')
-def tune(chip: Chip, operation: int, value: int) -> Iterable[Frame]:
-    """SYS_STACK_TUNE: 0 is the power, 1 whether the receiver stays on when idle."""
-    return [srsp(0x210F, value & 0xFF)]
-
-
-@SYS.on(0x2114, 'b')
-def set_power(chip: Chip, dbm: int) -> Iterable[Frame]:
-    """SYS_SET_TX_POWER: answered with the power that was set [dBm]."""
-    return [srsp(0x2114, min(dbm, MAX_POWER_DBM) & 0xFF)]

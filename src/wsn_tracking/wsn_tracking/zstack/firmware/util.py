@@ -1,22 +1,23 @@
-"""UTIL, SAPI and APP_CNF: who the sink is, its settings by another door, and forming a network on Z-Stack 3."""
+"""UTIL: who the sink is, its settings by a second door, and whose address is which."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
 
-from wsn_tracking.zstack.commands import BdbCommissioningNotification, UtilGetDeviceInfoRsp, encode
+from wsn_tracking.zstack.commands import UtilGetDeviceInfoRsp, encode
 from wsn_tracking.zstack.firmware.chip import UP, Chip
-from wsn_tracking.zstack.firmware.memory import INVALID_PARAMETER, SUCCESS
-from wsn_tracking.zstack.firmware.nib import NO_NETWORK, UNKNOWN_ADDRESS
+from wsn_tracking.zstack.firmware.memory import SUCCESS, Item
+from wsn_tracking.zstack.firmware.nib import UNKNOWN_ADDRESS
 from wsn_tracking.zstack.firmware.table import Table, srsp
+from wsn_tracking.zstack.firmware.zdp import sink_mote
 from wsn_tracking.zstack.frames import Frame
+from wsn_tracking.zstack.layout import Layout
 
-UTIL, SAPI, APP_CNF = Table(), Table(), Table()
+UTIL = Table()
 ANY_ROLE = 7  # a firmware that could be coordinator, router or end device
 ASSOCIATED = 28  # bytes of a child in memory
 MAX_CHILDREN = 16
-IN_PROGRESS, BDB_SUCCESS, RESTORED = 1, 0, 13
-STEERING, FORMATION = 2, 4
+NO_IEEE = (1 << 64) - 1
 
 
 @UTIL.on(0x2700)
@@ -26,6 +27,47 @@ def device_info(chip: Chip) -> Iterable[Frame]:
     children = tuple(sorted(chip.motes))[:MAX_CHILDREN] if up else ()
     short = chip.network.short if up else UNKNOWN_ADDRESS
     return [encode(UtilGetDeviceInfoRsp(0, chip.memory.ieee, short, ANY_ROLE, chip.state, children))]
+
+
+@UTIL.on(0x2701)
+def settings(chip: Chip) -> Iterable[Frame]:
+    """UTIL_GET_NV_INFO: address, channels, PAN, security level and key."""
+    memory = chip.memory
+    items = (Item.EXTADDR, Item.CHANNELS, Item.PAN_ID, Item.SECURITY_LEVEL, Item.KEY)
+    return [srsp(0x2701, SUCCESS, *(memory.get(item) for item in items))]
+
+
+def _sets(header: int, item: Item, layout: str) -> None:
+    """The command that writes one item."""
+
+    def write(chip: Chip, *values: int) -> Iterable[Frame]:
+        return [srsp(header, chip.memory.write(item, 0, Layout(layout).pack(values)))]
+
+    UTIL.on(header, layout)(write)
+
+
+# PAN, channels, security level, key
+for _header, _item, _layout in (
+    (0x2702, Item.PAN_ID, 'H'),
+    (0x2703, Item.CHANNELS, 'I'),
+    (0x2704, Item.SECURITY_LEVEL, 'B'),
+    (0x2705, Item.KEY, 'QQ'),
+):
+    _sets(_header, _item, _layout)
+
+
+@UTIL.on(0x2740, 'Q')
+def short_of(chip: Chip, ieee: int) -> Iterable[Frame]:
+    """UTIL_ADDRMGR_EXT_ADDR_LOOKUP."""
+    found = (mote.short for mote in (sink_mote(chip), *chip.motes.values()) if mote.ieee == ieee)
+    return [srsp(0x2740, next(found, UNKNOWN_ADDRESS).to_bytes(2, 'little'))]
+
+
+@UTIL.on(0x2741, 'H')
+def ieee_of(chip: Chip, short: int) -> Iterable[Frame]:
+    """UTIL_ADDRMGR_NWK_ADDR_LOOKUP."""
+    found = (mote.ieee for mote in (sink_mote(chip), *chip.motes.values()) if mote.short == short)
+    return [srsp(0x2741, next(found, NO_IEEE).to_bytes(8, 'little'))]
 
 
 @UTIL.on(0x2706, 'HB')
@@ -62,77 +104,3 @@ def find_child(chip: Chip, number: int) -> Iterable[Frame]:
 def child_at(chip: Chip, ieee: int, short: int) -> Iterable[Frame]:
     """UTIL_ASSOC_GET_WITH_ADDRESS."""
     return [srsp(0x274A, b'\xff' * ASSOCIATED)]
-
-
-@SAPI.on(0x4609)
-def reset(chip: Chip) -> Iterable[Frame]:
-    """ZB_SYSTEM_RESET."""
-    chip.reset(reason=0)
-    return ()
-
-
-@SAPI.on(0x2604, 'B')
-def read_configuration(chip: Chip, item: int) -> Iterable[Frame]:
-    """ZB_READ_CONFIGURATION: the memory, keys too."""
-    status, value = chip.memory.read(item, 0, guarded=False)
-    return [srsp(0x2604, status, item, len(value), value)]
-
-
-@SAPI.on(0x2605, 'B*B')
-def write_configuration(chip: Chip, item: int, value: bytes) -> Iterable[Frame]:
-    """ZB_WRITE_CONFIGURATION."""
-    return [srsp(0x2605, chip.memory.write(item, 0, value))]
-
-
-@SAPI.on(0x2608, 'HB')
-def permit_joining(chip: Chip, dst: int, seconds: int) -> Iterable[Frame]:
-    """ZB_PERMIT_JOINING_REQUEST."""
-    return [srsp(0x2608, SUCCESS)]
-
-
-@APP_CNF.on(0x2F08, 'BI')
-def set_channel(chip: Chip, primary: int, mask: int) -> Iterable[Frame]:
-    """APP_CNF_BDB_SET_CHANNEL."""
-    if primary:
-        chip.formation_channels = mask
-    return [srsp(0x2F08, SUCCESS)]
-
-
-@APP_CNF.on(0x2F05, 'B')
-def commission(chip: Chip, mode: int) -> Iterable[Frame]:
-    """APP_CNF_BDB_START_COMMISSIONING: forms a network, or restores the one that is remembered."""
-    if not mode & FORMATION:
-        return [srsp(0x2F05, INVALID_PARAMETER)]
-    if chip.memory.network is not NO_NETWORK:
-        chip.restore(lambda: [_tell(RESTORED, 0, FORMATION), _tell(BDB_SUCCESS, FORMATION, 0)])
-        return [srsp(0x2F05, SUCCESS)]
-    chip.form(lambda: [_tell(BDB_SUCCESS, STEERING, 0)])
-    chip.later(0.0, lambda: [_tell(IN_PROGRESS, STEERING, FORMATION)])
-    return [srsp(0x2F05, SUCCESS)]
-
-
-def _tell(status: int, mode: int, remaining: int) -> Frame:
-    return encode(BdbCommissioningNotification(status, mode, remaining))
-
-
-def _accept(header: int, layout: str) -> None:
-    """A setting that changes nothing which a host could see."""
-
-    def accepted(chip: Chip, *fields: int | bytes) -> Iterable[Frame]:
-        return [srsp(header, SUCCESS)]
-
-    APP_CNF.on(header, layout)(accepted)
-
-
-# frame counter, timeouts of end devices, rejoining, install codes and keys of those that join
-for _header, _layout in (
-    (0x2FFF, 'QI'),
-    (0x2F01, 'B'),
-    (0x2F02, 'B'),
-    (0x2F03, 'B'),
-    (0x2F04, 'BQ$'),
-    (0x2F06, 'B'),
-    (0x2F07, 'B$'),
-    (0x2F09, 'B'),
-):
-    _accept(_header, _layout)

@@ -16,6 +16,7 @@ ZDO = Table()
 FAILURE, NWK_INVALID_REQUEST = 0x01, 0xC2
 RESTORED, NEW_NETWORK = 0, 1
 PERMIT_JOIN_IND = 0x45CB
+DISCOVERED = 0x45C7  # ZDO_NWK_DISCOVERY_CNF
 ANSWER_S = 0.005  # until a radio has answered
 AND_SINK = (0xFFFC, 0xFFFD, 0xFFFF)
 
@@ -83,6 +84,15 @@ def update(chip: Chip, dst: int, mode: int, body: bytes) -> Iterable[Frame]:
     return [srsp(0x2537, SUCCESS)]
 
 
+@ZDO.on(0x2526, 'IB')
+def discover_networks(chip: Chip, channels: int, duration: int) -> Iterable[Frame]:
+    """ZDO_NETWORK_DISCOVERY_REQ: a sink without a network looks for others; there are none."""
+    if chip.state == UP:
+        return [srsp(0x2526, NWK_INVALID_REQUEST)]
+    chip.later(ANSWER_S, lambda: [Frame(DISCOVERED, bytes((SUCCESS,)))])
+    return [srsp(0x2526, SUCCESS)]
+
+
 @ZDO.on(0x253E, 'H')
 def register_callback(chip: Chip, cluster: int) -> Iterable[Frame]:
     """ZDO_MSG_CB_REGISTER."""
@@ -122,6 +132,19 @@ def remove_group(chip: Chip, endpoint: int, group: int) -> Iterable[Frame]:
     """ZDO_EXT_REMOVE_GROUP."""
     known = chip.groups.pop((endpoint, group), None)
     return [srsp(0x2547, FAILURE if known is None else SUCCESS)]
+
+
+@ZDO.on(0x2548, 'B')
+def remove_groups(chip: Chip, endpoint: int) -> Iterable[Frame]:
+    """ZDO_EXT_REMOVE_ALL_GROUP."""
+    chip.groups = {key: name for key, name in chip.groups.items() if key[0] != endpoint}
+    return [srsp(0x2548, SUCCESS)]
+
+
+@ZDO.on(0x254C)
+def count_groups(chip: Chip) -> Iterable[Frame]:
+    """ZDO_EXT_COUNT_ALL_GROUPS."""
+    return [srsp(0x254C, len(chip.groups) & 0xFF)]
 
 
 @ZDO.on(0x2545, 'HBB')
