@@ -24,9 +24,13 @@ def add(commands: Commands) -> None:
         'A B2 -o two',
         'C --backend dask --scheduler tcp://10.0.0.1:8786',
     )
-    command.add_argument('names', nargs='*', metavar='CLAIM', help='documents A to E or claims (A3); default: all')
+    told = 'documents A to E, the comparison X, or claims (A3); default: all'
+    command.add_argument('names', nargs='*', metavar='CLAIM', help=told)
     command.add_argument('--quick', action='store_true', help='fewer runs, the same verdicts')
     command.add_argument('-o', '--output', type=Path, default=Path('reproduction'), metavar='DIR', help='of the report')
+    command.add_argument(
+        '--data', type=Path, metavar='DIR', help='recordings of docs/datasets.md, a folder each: compared on, too'
+    )
     command.add_argument('--seed', type=seed, default=7001, help='of all draws (default: 7001)')
     command.add_argument('--jobs', type=_jobs, default=0, metavar='N', help='workers (default: one a core)')
     command.add_argument('--backend', choices=BACKENDS, default='loky', help='of joblib: processes, threads, or Dask')
@@ -49,10 +53,11 @@ def _do(options: argparse.Namespace) -> int:
     if options.output.exists() and not options.output.is_dir():
         raise TrackingError(f'{options.output} is no folder: name one for the report')
     claims = wanted(options.names)
-    words = [*options.names, *(['--quick'] if options.quick else []), '--seed', str(options.seed)]
+    given = [*(['--quick'] if options.quick else []), *(['--data', 'DATA'] if options.data else [])]
+    words = [*options.names, *given, '--seed', str(options.seed)]
     setting = Setting(options.seed, options.quick, f'./wsn-tracking reproduce {shlex.join(words)}', commit())
     workers = Workers(options.jobs, options.backend, options.scheduler)
-    found = computed(claims, setting, workers, progress('reproduce'))
+    found = computed(claims, setting, workers, progress('reproduce'), options.data)
     for claim in found['claims']:
         print(f'{claim["id"]:4} {found["verdicts"][claim["id"]]:17} {claim["place"]}')
     for path in write(options.output, found):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from wsn_tracking.errors import TrackingError
-from wsn_tracking.reproduction import document_a, document_b, document_c, document_d, document_e
+from wsn_tracking.reproduction import cross_table, document_a, document_b, document_c, document_d, document_e
 from wsn_tracking.reproduction.claims import Claim, Experiment
 
 CLAIMS: tuple[Claim, ...] = (
@@ -14,6 +14,7 @@ CLAIMS: tuple[Claim, ...] = (
     *document_c.CLAIMS,
     *document_d.CLAIMS,
     *document_e.CLAIMS,
+    *cross_table.CLAIMS,
 )
 DOCUMENTS = tuple(dict.fromkeys(claim.document for claim in CLAIMS))
 
@@ -23,7 +24,7 @@ def wanted(names: Sequence[str], claims: Sequence[Claim] = CLAIMS) -> list[Claim
     known = {*(claim.id for claim in claims), *(claim.document for claim in claims)}
     for name in names:
         if name not in known:
-            raise TrackingError(f'there is no claim or document `{name}`: expected A to E or one of {_told(claims)}')
+            raise TrackingError(f'there is no claim or document `{name}`: expected A to E, X or one of {_told(claims)}')
     return [claim for claim in claims if not names or claim.id in names or claim.document in names]
 
 

@@ -8,11 +8,12 @@ from typing import NamedTuple
 from wsn_tracking.evaluation.intervals import Figure as Interval
 from wsn_tracking.models.anchors import Floats
 
-# Quantities by name. (runs, ...), independent from run to run; a name that begins with PICTURE is one run's, for a plot
+# Quantities by name. (runs, ...), independent from run to run; a name that begins with PICTURE is one run's, for a
+# plot, and one that begins with MEASURED tells of the machine, not of the seed.
 Samples = Mapping[str, Floats]
-PICTURE = 'picture '
+PICTURE, MEASURED = 'picture ', 'measured '
 
-# (seed, runs) -> Samples. Equal arguments give equal samples, on every machine and in every process.
+# (seed, runs) -> Samples. Equal arguments give equal samples in every process, but for what is MEASURED.
 Sampler = Callable[[int, int], Samples]
 
 Bounds = tuple[float | None, float | None]  # lowest, highest; None: open on that side

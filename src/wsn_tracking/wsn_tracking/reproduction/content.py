@@ -69,7 +69,7 @@ def _claim(claim: Claim, samples: Mapping[str, Samples], setting: Setting) -> Js
         'runs': runs,
         'command': f'./wsn-tracking reproduce {claim.id} --seed {setting.seed}{quick}',
         'figures': [_figure(figure) for figure in claim.figures(given)],
-        'plots': [_plot(plot) for plot in claim.plots(given)],
+        'plots': [plain_plot(plot) for plot in claim.plots(given)],
     }
 
 
@@ -96,7 +96,8 @@ def _known(value: Any) -> float | None:
     return float(value) if math.isfinite(value) else None
 
 
-def _plot(plot: Plot) -> Json:
+def plain_plot(plot: Plot) -> Json:
+    """A plot as JSON."""
     return {**plot._asdict(), 'series': [_series(series) for series in plot.series]}
 
 

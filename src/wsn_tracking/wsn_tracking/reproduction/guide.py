@@ -56,6 +56,12 @@ DOCUMENTS = {
         'report is left out of the update. The document says that this filter (CKF) beats extended and unscented ones '
         '(EKF, UKF) at every loss rate.',
     ),
+    'X': Document(
+        'All five side by side',
+        'no document: nobody has compared them',
+        'Every system tracks on the same packets, beside one central filter that is told everything and two ways to '
+        'place a target without any filter. The table at the end has all recordings.',
+    ),
 }
 
 ADVICE = (

@@ -131,12 +131,12 @@ def _picture(plot: Json) -> str:
 
 def _table(table: Json) -> str:
     """One of the further tables."""
-    rows = [
-        [cell if isinstance(cell, str) and cell.startswith('<') else _number(cell) for cell in row]
-        for row in table['rows']
-    ]
+    measured = table.get('measured', {})
+    columns = [*table['columns'], *measured]
+    full = ([*row, *more] for row, *more in zip(table['rows'], *measured.values(), strict=True))
+    rows = [[_number(cell) for cell in row] for row in full]
     words = ''.join(f'<p>{_code(text)}</p>' for text in table['text'])
-    shown = _rows(table['columns'], rows, numbers=range(1, len(table['columns']))) if rows else ''
+    shown = _rows(columns, rows, numbers=range(2, len(columns))) if rows else ''
     pictures = ''.join(_picture(plot) for plot in table.get('plots', ()))
     told = f'<p class="muted"><code>{escape(table["command"])}</code></p>'
     return f'<section id="{table["id"]}"><h2>{escape(table["title"])}</h2>{words}{shown}{pictures}{told}</section>'

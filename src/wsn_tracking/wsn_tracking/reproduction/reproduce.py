@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -11,19 +12,38 @@ from wsn_tracking.files import write_whole
 from wsn_tracking.reproduction.catalogue import experiments_of
 from wsn_tracking.reproduction.claims import Claim
 from wsn_tracking.reproduction.content import Setting, content
+from wsn_tracking.reproduction.cross import on_recordings, prepared
+from wsn_tracking.reproduction.cross_fields import FIELDS
+from wsn_tracking.reproduction.cross_table import table
 from wsn_tracking.reproduction.engine import Progress, Workers, run
 from wsn_tracking.reproduction.page import page
 
 SEED = 7001  # no test uses it
+COMPARISON = 'X'  # document of the claims on all systems
 HTML, JSON = 'reproduction.html', 'reproduction.json'
 
 
 def computed(
-    claims: Sequence[Claim], setting: Setting, workers: Workers, progress: Progress = lambda items, total: items
+    claims: Sequence[Claim],
+    setting: Setting,
+    workers: Workers,
+    progress: Progress = lambda items, total: items,
+    data: Path | None = None,
 ) -> dict[str, Any]:
-    """The JSON of these claims."""
-    samples = run(experiments_of(claims), setting.seed, quick=setting.quick, workers=workers, progress=progress)
-    return content(claims, samples, setting)
+    """The JSON of these claims, and of the comparison of all systems if it is among them.
+
+    data: folder of real recordings, for that comparison.
+    """
+    experiments = experiments_of(claims)
+    compares = any(claim.document == COMPARISON for claim in claims)
+    with tempfile.TemporaryDirectory(prefix='wsn_tracking_') as work:
+        absent = {f.name: 'no folder of recordings was given (`--data`).' for f in FIELDS if f.real}
+        if compares and data is not None:
+            ready, absent = prepared(data, Path(work))
+            experiments += on_recordings(ready)
+        samples = run(experiments, setting.seed, quick=setting.quick, workers=workers, progress=progress)
+    tables = [table(samples, setting.seed, absent)] if compares else []
+    return content(claims, samples, setting, tables=tables)
 
 
 def write(folder: Path, found: dict[str, Any]) -> list[Path]:
