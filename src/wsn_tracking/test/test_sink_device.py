@@ -133,6 +133,14 @@ def test_watchdog_says_so():
     assert by_and_by(sink, 3.0)[0].cause == 'watchdog'
 
 
+def test_sink_that_starts_is_deaf_until_it_says_so():
+    sink = attached(device())
+    sink.reset(5.0)
+    assert asked(sink, c.SysPing(), 5.001) == []
+    assert by_and_by(sink, 5.1) == [c.SysResetInd(2, 2, 0, 2, 6, 3)]
+    assert asked(sink, c.SysPing(), 5.1) == [c.SysPingRsp(0x0179)]
+
+
 @BOTH
 def test_forming_gives_the_network_that_memory_asks_for(flavour):
     sink = device(flavour)

@@ -73,6 +73,8 @@ class Device:
     def answer(self, request: Frame, now: float) -> list[Frame]:
         """What the sink says at once to a frame; what comes later is said by `advance`."""
         self.chip.now = max(self.chip.now, now)
+        if self.chip.now < self.chip.hears_from:
+            return []
         table = self._tables.get(request.subsystem)
         handler = None if table is None else table.get(request.header)
         answer = None
@@ -122,8 +124,9 @@ class Device:
         self.chip.reset(reason)
 
     def power_cycle(self, now: float) -> None:
-        """Power is lost and comes back: nothing but memory is left."""
+        """Power is lost and comes back: nothing but memory is left. A port shows only when there is somebody to hear."""
         self.reset(now, reason=0)
+        self.chip.hears_from = self.chip.now
 
 
 def _has(flavour: Flavour, subsystem: int) -> bool:

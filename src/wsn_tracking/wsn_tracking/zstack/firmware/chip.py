@@ -55,6 +55,7 @@ class Chip:
         self.counters: Counter[str] = Counter()
         self.now = now
         self.random = random.Random(seed)
+        self.hears_from = now  # [s]
         self._first_tick = first_tick
         self._agenda: Agenda[Later] = Agenda()
         self._power_up()
@@ -105,9 +106,10 @@ class Chip:
         return self.memory.network if self.state == UP else NO_NETWORK
 
     def reset(self, reason: int = 0) -> None:
-        """Start anew: a while later, the sink says so. The clock of its messages starts at 0."""
+        """Start anew: a while later, the sink says so; until then it is deaf. The clock of its messages starts at 0."""
         self._power_up()
         self._first_tick = 0
+        self.hears_from = self.now + BOOT_S
 
         def say() -> list[Frame]:
             version = self.flavour.version
