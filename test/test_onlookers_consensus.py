@@ -22,6 +22,7 @@ from wsn_tracking.nodes import convert_consensus, markers, qos
 from wsn_tracking.trackers.consensus_report import ConsensusReport, Outcome, report_of
 
 TIMEOUT = 60.0  # [s]
+NODES = set(range(1, 11))
 STAMP = 1_500_000_000_123_456_789
 PLACES = {1: (0.0, 0.0), 2: (10.0, 0.0), 3: (50.0, 0.0), 4: (60.0, 0.0), 5: (70.0, 5.0), 9: (90.0, 0.0)}
 WEST = [Outcome(1, 0.99, 0.1, (1, 2), (2,)), Outcome(2, 0.02, 0.2, (1, 2), (1,))]
@@ -140,7 +141,7 @@ def test_nodes_without_a_place_and_reports_before_the_anchors_are_not_drawn():
 @pytest.fixture(scope='module')
 def seen():
     """Ten nodes in a field that is cut in the middle, drawn while they run."""
-    told = ['nodes=10', 'width=150.0', 'depth=180.0', 'epochs=600', 'faults=clutter']
+    told = [f'nodes={len(NODES)}', 'width=150.0', 'depth=180.0', 'epochs=600', 'faults=clutter']
     cut = {'link.cut_at': 75.0, 'link.cut_from': 5, 'link.cut_until': 100000, 'output_timeout': TIMEOUT}
     graph = graphs.simulation('b_field', 3, rate=10.0, scenario_settings=told, settings=cut, markers=True)
     topics = {}
@@ -153,6 +154,8 @@ def seen():
             TIMEOUT,
             'two components, drawn',
         )
+        # reports are for whoever listens: of each process from when it is matched with this listener
+        observer.until(lambda: {i for m in reports for i in m.node_ids} >= NODES, TIMEOUT, 'reports of every process')
         for name, kinds in observer.node.get_topic_names_and_types():
             offered = observer.node.get_publishers_info_by_topic(name)
             topics[name] = SimpleNamespace(kinds=kinds, offers=[one.qos_profile for one in offered])
@@ -174,10 +177,15 @@ def parted(array):
 def test_every_process_reports_its_nodes(seen):
     values = [convert_consensus.report_value(message) for message in seen.reports]
     assert all(isinstance(value, ConsensusReport) for value in values)
-    assert {i for value in values for i in value.node_ids} == set(range(1, 11))
-    of_one = [value.request_seq for value in values if 1 in value.node_ids]
-    assert of_one == sorted(set(of_one))
+    assert {i for value in values for i in value.node_ids} == NODES
     assert all(0.0 <= p <= 1.0 for value in values for p in value.arrival_probabilities)
+
+
+def test_a_process_that_has_begun_to_report_leaves_out_no_epoch(seen):
+    values = [convert_consensus.report_value(message) for message in seen.reports]
+    for ids in {value.node_ids for value in values}:
+        epochs = [value.request_seq for value in values if value.node_ids == ids]
+        assert epochs == list(range(epochs[0], epochs[0] + len(epochs)))
 
 
 def test_rviz_topics_and_namespaces_are_those_of_the_graph(seen):
