@@ -73,7 +73,7 @@ class EvaluatorNode(TrackingNode[EvaluatorConfig]):
                 self._last = now
                 self._estimates[name].append(estimate)
 
-        self.take(msg.TargetEstimate, f'estimate/{name}', convert.estimate_value, heard, qos.ESTIMATES)
+        self.take(msg.TargetEstimate, f'estimate/{name}', convert.estimate_value, heard, qos.SCORED)
 
     def _take_truth(self, target: int, poses: list[tuple[int, Floats, Floats]]) -> None:
         def heard(pose: tuple[int, Floats, Floats], now: float) -> None:
