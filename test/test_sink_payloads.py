@@ -22,6 +22,7 @@ from wsn_tracking.nodes import convert, qos
 from wsn_tracking.nodes.health import WARN
 from wsn_tracking.parameters import specs
 from wsn_tracking.sensing.values import Modality, Reason
+from wsn_tracking.trackers.estimate import Kind
 from wsn_tracking.zstack.records import FeedbackRecord, SensingRecord
 from wsn_tracking.zstack.traffic import AirEpoch, Reading
 
@@ -158,6 +159,21 @@ def test_estimates_are_fed_back_to_the_robots(bridged):
     (told,) = bridge.told(1)
     assert told.dst == 0xFFFF
     assert told.record == FeedbackRecord(9, 1.23, -0.57, pytest.approx(0.06), pytest.approx(-0.04))
+
+
+def test_feedback_comes_from_topics_that_are_named_no_oftener_than_asked_for_and_never_by_guess(bridged):
+    """A target that is still looked for is told nothing; of epochs at 20 Hz every second one is."""
+    topics = ['estimate/hybrid_target_1', 'estimate/hybrid_target_2']
+    bridge = bridged([], {'feedback': True, 'feedback_topics': topics, 'feedback_period': 0.1})
+    tell = dict(zip((1, 2), (bridge.tell(msg.TargetEstimate, topic) for topic in topics), strict=True))
+    bridge.until(lambda: bridge.taken['link_status'] and bridge.taken['link_status'][-1].connected, 'the link')
+    for k in range(6):
+        for target, kind in ((1, Kind.START if k < 2 else Kind.LOCAL), (2, Kind.START)):
+            m = msg.TargetEstimate(target_id=target, source='x', state_names=['x', 'y', 'vx', 'vy'], kind=int(kind))
+            m.header.stamp.nanosec = 50_000_000 * k + 3_000_000 * (k % 2)
+            m.mean, m.covariance = [0.1 * k, 0.0, 0.0, 0.0], np.eye(4).ravel().tolist()
+            tell[target](m)
+    assert [told.record.x for told in bridge.told(2)] == pytest.approx([0.2, 0.4])
 
 
 def changing(first, count, second=-60.0):

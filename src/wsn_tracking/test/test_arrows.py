@@ -29,7 +29,7 @@ ROOMS = {
     'evaluation': ('trackers', 'bags', 'simulation'),
     'zstack': (),
     # what stands above the rooms, for nodes and commands
-    'node_parameters': ('trackers', 'zstack'),
+    'node_parameters': ('trackers', 'zstack', 'driven_air'),
     'configuration': ('node_parameters',),
     'graphs': ('configuration', 'bags', 'simulation'),
     'processes': ('graphs',),
@@ -37,12 +37,14 @@ ROOMS = {
     'offline': ('graphs', 'evaluation'),
     'surveys': ('evaluation',),
     'real_radio': ('offline', 'surveys'),
+    'driven_air': ('simulation', 'zstack'),
     'bridging': ('sensing', 'zstack'),
     'airwaves': ('graphs', 'zstack'),
     'live_study': ('offline', 'processes'),
     'sink_thread': ('zstack',),  # the thread around a simulated sink; zstack holds none but the session's
     'serial_study': ('airwaves', 'processes', 'sink_thread'),
     'reproduction': ('real_radio',),
+    'follower': ('evaluation', 'processes'),
     'benchmarks': ('offline', 'processes'),
     'documentation': ('node_parameters', 'bags'),
     'nodes': ('evaluation', 'bridging', 'airwaves', 'offline'),

@@ -393,3 +393,22 @@ def test_no_epoch_is_given_up_before_the_bridge_ends_it():
     assert quick['sensing'].parameters['loss_timeout'] == 1.0
     with pytest.raises(TrackingError, match='ends an epoch after 2 s, but `loss_timeout` is 1 s'):
         graphs.serial(settings={'period': 0.1, 'epoch_timeout': 2.0})
+
+
+# ---- two robots in phase
+
+
+def test_the_ring_of_the_follower_is_closed():
+    """Sink, bridge, tracker, bridge: every estimate goes down the line, and each knows whom to wait for."""
+    processes = by_name(graphs.follower('sink', seed=3, settings={'driven.cells.period': 0.1}, record='y'))
+    tracker, bridge, sink = (processes[name] for name in ('hybrid_tracker', 'serial_bridge', 'sink_simulator'))
+    outputs = ['estimate/hybrid_target_1', 'estimate/hybrid_target_2']
+    assert set(outputs) <= set(tracker.gives)
+    assert bridge.parameters['feedback_topics'] == outputs
+    assert set(tracker.takes) - {'trigger_report'} <= set(bridge.gives)
+    assert bridge.parameters['port'] == sink.parameters['link'] == 'sink'
+    assert bridge.parameters['period'] == sink.parameters['driven.cells.period'] == 0.1
+    assert set(sink.parameters['expected_nodes']) == set(processes) - {'sink_simulator'}
+    assert (sink.parameters['seed'], sink.parameters['driven.on']) == (3, True)
+    for p in processes.values():
+        build(EXECUTABLES[p.executable], p.parameters)

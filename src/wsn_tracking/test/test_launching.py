@@ -23,7 +23,7 @@ def started(trackers, **given):
 
 def test_every_system_has_a_launch_file_and_all_have_one():
     names = {path.name.removesuffix('.launch.py') for path in LAUNCH}
-    assert {*graphs.SYSTEMS, 'everything', 'replay', 'serial_bridge'} == names
+    assert {*graphs.SYSTEMS, 'everything', 'replay', 'serial_bridge', 'follower'} == names
 
 
 @pytest.mark.parametrize('path', LAUNCH, ids=lambda path: path.name.removesuffix('.launch.py'))

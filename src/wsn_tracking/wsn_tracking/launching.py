@@ -16,7 +16,7 @@ from wsn_tracking.processes import declared
 Arguments = Mapping[str, tuple[str | None, str]]  # name -> default (None: it must be given), words
 
 
-def actions(processes: Sequence[Process], namespace: str = '', last: str = 'evaluator') -> list[Any]:
+def actions(processes: Sequence[Process], namespace: str, last: str) -> list[Any]:
     """A node for each process; the launch ends when process `last` has ended."""
     from launch.actions import EmitEvent, RegisterEventHandler
     from launch.event_handlers import OnProcessExit
@@ -41,8 +41,10 @@ def actions(processes: Sequence[Process], namespace: str = '', last: str = 'eval
     return [*ends, *nodes.values()]
 
 
-def description(arguments: Arguments, graph: Callable[[Mapping[str, str]], Sequence[Process]]) -> Any:
-    """A launch file's description: its arguments, and their graph."""
+def description(
+    arguments: Arguments, graph: Callable[[Mapping[str, str]], Sequence[Process]], last: str = 'evaluator'
+) -> Any:
+    """A launch file's description: its arguments, and their graph, which ends when process `last` has ended."""
     from launch.actions import DeclareLaunchArgument, OpaqueFunction
     from launch.substitutions import LaunchConfiguration
 
@@ -50,7 +52,7 @@ def description(arguments: Arguments, graph: Callable[[Mapping[str, str]], Seque
 
     def started(context: Any) -> list[Any]:
         given = {name: LaunchConfiguration(name).perform(context) for name in arguments}
-        return actions(graph(given), given.get('namespace', ''))
+        return actions(graph(given), given.get('namespace', ''), last)
 
     declared = [
         DeclareLaunchArgument(name, description=words, **({} if value is None else {'default_value': value}))

@@ -14,13 +14,12 @@ from wsn_tracking.parameters import group, param
 from wsn_tracking.sensing.values import Epoch, Modality, Range
 from wsn_tracking.simulation import d_cells
 from wsn_tracking.simulation.d_cells import CellsConfig, Ranging
-from wsn_tracking.simulation.driven import DrivenRobot, FollowConfig, phase_error
+from wsn_tracking.simulation.driven import FIRST, SECOND, DrivenRobot, FollowConfig, phase_error
 from wsn_tracking.simulation.record import START_NS
 from wsn_tracking.trackers.estimate import Kind
 from wsn_tracking.trackers.hybrid import HybridTracker
 from wsn_tracking.trackers.hybrid_config import HybridConfig
 
-FIRST, SECOND = 1, 2
 CM = 0.01  # [m] feedback is told in whole centimetres
 LINK = d_cells.CELLS + 1000  # the stream of draws of the network's way down
 SETTLED_S = 15.0  # the second robot begins a third of a turn behind
@@ -63,13 +62,13 @@ def run(config: PhaseConfig, seed: int) -> PhaseRun:
     for k in range(epochs):
         t = k * T
         while on_its_way and on_its_way[0][0] <= t:
-            _tell(second, *on_its_way.popleft())
+            told_at, target, position = on_its_way.popleft()
+            second.hear(target, position, told_at)
         second.advance(t)
         truth[0, k], truth[1, k] = scenario.truth[k], second.state
         for target, tracker in trackers.items():
             at = truth[target - 1, k]
-            draws = keyed(seed, d_cells.CELLS + target, k)
-            rows, z = ranging[target].step(k, at, np.asarray(draws.standard_normal()), np.asarray(draws.random()))
+            rows, z = ranging[target].step(k, at, *d_cells.draws(seed, target, k))
             stamp = START_NS + round(t * 1e9)
             node = int(anchors.ids[rows])
             packet = Range(stamp, node, target, k, k, int(Modality.ULTRASOUND), float(z), config.cells.range_std**2)
@@ -82,10 +81,3 @@ def run(config: PhaseConfig, seed: int) -> PhaseRun:
                 on_its_way.append((t + config.delay, target, CM * np.round(told / CM)))
     error = phase_error(config.follow, truth[0, :, :2], truth[1, :, :2])
     return PhaseRun(np.arange(epochs) * T, truth, estimates, error)
-
-
-def _tell(robot: DrivenRobot, t: float, target: int, position: Floats) -> None:
-    if target == FIRST:
-        robot.hear_first(position, t)
-    else:
-        robot.hear_own(position, t)

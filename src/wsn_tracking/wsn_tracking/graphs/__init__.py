@@ -4,6 +4,7 @@ The launch files and the command line start what these functions return; the eva
 without any process. Nothing here knows ROS beyond names.
 """
 
+from wsn_tracking.graphs.follower import follower
 from wsn_tracking.graphs.parts import How, Plan, Process, Source, complete, open_bag, source_of
 from wsn_tracking.graphs.plans import SYSTEMS, configuration_of, plans_of, system_of
 from wsn_tracking.graphs.random_q import BRIDGE
@@ -18,6 +19,7 @@ __all__ = [
     'Source',
     'complete',
     'configuration_of',
+    'follower',
     'open_bag',
     'plans_of',
     'replay',

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from wsn_tracking.driven_air import DrivenConfig
 from wsn_tracking.parameters import group, param
 from wsn_tracking.zstack.clock import ClockConfig
 from wsn_tracking.zstack.settings import LinkConfig
@@ -31,7 +32,9 @@ class SerialBridgeConfig(LinkConfig, ClockConfig):
     epoch_timeout: float = param(0.0, 'after the first word of an epoch until its EpochEnd; 0: 0.4 T', 's', 0.0, 3600.0)
     node_map: tuple[str, ...] = param(('',), 'radio=node, where a radio bears another id than its node; empty: none')
     range_modality: int = param(3, 'what measures ranges: 2 UWB, 3 ultrasound, 4 other', '', 1, 4)
-    feedback: bool = param(False, 'send the estimates on `feedback` to the robots')
+    feedback: bool = param(False, 'send the estimates on `feedback_topics` to the robots')
+    feedback_topics: tuple[str, ...] = param(('feedback',), 'topics of these, e.g. estimate/hybrid_target_1')
+    feedback_period: float = param(0.0, 'least time between two of a target; 0: all are sent', 's', 0.0, 3600.0)
     feedback_address: int = param(0xFFFF, 'network address that feedback is sent to; 65535: all', '', 0, 0xFFFF)
     sensing_command: bool = param(False, 'send the commands on `sensing_command` to the sensing nodes')
     topology_period: float = param(30.0, 'how often the sink is asked for its neighbours; 0: never', 's', 0.0, 86400.0)
@@ -54,4 +57,5 @@ class SinkSimulatorConfig(SimulatorConfig):
         ('',), 'names of the nodes that must be ready before the nodes speak; empty: none'
     )
     publish_anchors: bool = param(True, 'publish the table of nodes, for a bridge that has none')
+    driven: DrivenConfig = group(DrivenConfig)
     linger: float = param(5.0, 'how long it stays after the last message; 0: until it is ended', 's', 0.0, 1e9)

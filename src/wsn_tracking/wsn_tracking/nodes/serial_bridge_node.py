@@ -18,7 +18,7 @@ from wsn_tracking.nodes.base import TrackingNode, run
 from wsn_tracking.nodes.health import OK, Health, link, radio, worst
 from wsn_tracking.nodes.stations import Stations
 from wsn_tracking.sensing.values import EpochEnd, Range, Request, Rssi, TriggerReport
-from wsn_tracking.trackers.estimate import Estimate
+from wsn_tracking.trackers.estimate import Estimate, Kind
 from wsn_tracking.zstack.commands import ZdoMgmtLqiReq, ZdoMgmtLqiRsp
 from wsn_tracking.zstack.intake import Intake
 from wsn_tracking.zstack.lqi import SCALES, scale_words
@@ -27,6 +27,7 @@ from wsn_tracking.zstack.records import FeedbackRecord, Record, SensingRecord
 from wsn_tracking.zstack.session import Session
 
 TICK = 0.01  # [s] how often epochs are looked at that are over
+JITTER = 0.1  # of a period by which stamps may come early
 WARNED = 60.0  # [s] for which two radios of one id are told of
 OUTPUTS = {
     Request: ('request', msg.LocationRequest, convert.request_message),
@@ -48,6 +49,7 @@ class SerialBridgeNode(TrackingNode[SerialBridgeConfig]):
         self._intake = Intake(config, SCALES[config.lqi_scale])
         self._stations = Stations()
         self._sent_down = 0
+        self._fed_back: dict[int, int] = {}  # target -> stamp [ns] of what was told last
         self._conflicts: dict[int, float] = {}  # node -> when two radios last bore its id
         self._outputs = {kind: self.give(cls, topic, qos.MEASUREMENTS) for kind, (topic, cls, _) in OUTPUTS.items()}
         self._link = self.create_publisher(msg.LinkStatus, 'link_status', qos.LATCHED_LAST)
@@ -55,8 +57,8 @@ class SerialBridgeNode(TrackingNode[SerialBridgeConfig]):
         if config.anchors.ids:
             table = convert.anchors_message(anchors_of(config.anchors), time.time_ns())
             self.create_publisher(msg.Anchors, 'anchors', qos.LATCHED_LAST).publish(table)
-        if config.feedback:
-            self.take(msg.TargetEstimate, 'feedback', convert.peer_value, self._feed_back, qos.ESTIMATES)
+        for topic in filter(None, config.feedback_topics if config.feedback else ()):
+            self.take(msg.TargetEstimate, topic, convert.peer_value, self._feed_back, qos.ESTIMATES)
         if config.sensing_command:
             self.take(msg.SensingCommand, 'sensing_command', lambda m: m, self._command, qos.ESTIMATES)
         self.create_timer(TICK, self._end_epochs)
@@ -96,6 +98,12 @@ class SerialBridgeNode(TrackingNode[SerialBridgeConfig]):
     # ---- down
 
     def _feed_back(self, estimate: Estimate, now: float) -> None:
+        if estimate.kind == Kind.START:  # nobody knows yet where it is
+            return
+        last = self._fed_back.get(estimate.target_id, 0)
+        if 0 <= estimate.stamp_ns - last < (1.0 - JITTER) * self.config.feedback_period * 1e9:
+            return
+        self._fed_back[estimate.target_id] = estimate.stamp_ns
         x, y, vx, vy = estimate.mean.tolist()
         self._send(PayloadType.FEEDBACK, FeedbackRecord(estimate.target_id, x, y, vx, vy), self.config.feedback_address)
 

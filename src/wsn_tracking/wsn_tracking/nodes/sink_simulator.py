@@ -8,15 +8,18 @@ from __future__ import annotations
 
 import threading
 import time
+from collections import deque
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from nav_msgs.msg import Odometry
 from std_msgs.msg import String
 from wsn_tracking_msgs import msg
 
+from wsn_tracking import driven_air
 from wsn_tracking.airwaves import air_epochs, on_board, recording_of
+from wsn_tracking.driven_air import DrivenAir
 from wsn_tracking.models.anchors import Floats
 from wsn_tracking.node_parameters.serial import SinkSimulatorConfig
 from wsn_tracking.nodes import convert, qos
@@ -26,7 +29,8 @@ from wsn_tracking.sensing.recording import Truth
 from wsn_tracking.zstack.pty_loop import PtyLoop
 from wsn_tracking.zstack.pty_port import PtyPort
 from wsn_tracking.zstack.records import FeedbackRecord
-from wsn_tracking.zstack.simulator import Simulator
+from wsn_tracking.zstack.simulator import Measure, Simulator
+from wsn_tracking.zstack.traffic import AirEpoch
 
 TICK = 0.01  # [s]
 AT_ONCE = 1e6  # speed that stands for none
@@ -39,13 +43,11 @@ class SinkSimulator(TrackingNode[SinkSimulatorConfig]):
     def __init__(self) -> None:
         super().__init__('sink_simulator', SinkSimulatorConfig)
         config = self.config
-        recording = recording_of(config.scenario, config.bag, config.seed, config.target_id)
-        self._epochs = air_epochs(recording)
-        self._first_ns = min((m.stamp_ns for m in recording.messages), default=0)
-        self._truth = {target: _Track(truth) for target, truth in sorted(recording.truth.items())}
+        world = _Driven(config) if config.driven.on else _Recorded(config)
+        self._epochs, self._first_ns, self._truth = world.epochs, world.first_ns, world.truth
         self._outputs = {target: self.give(Odometry, f'truth/target_{target}', qos.TRUTH) for target in self._truth}
         if config.publish_anchors:
-            table = convert.anchors_message(recording.anchors, time.time_ns())
+            table = convert.anchors_message(world.anchors, time.time_ns())
             self.create_publisher(msg.Anchors, 'anchors', qos.LATCHED_LAST).publish(table)
         self._awaited = {name for name in config.expected_nodes if name}
         self.create_subscription(String, 'ready', self._heard_ready, qos.LATCHED)
@@ -53,6 +55,8 @@ class SinkSimulator(TrackingNode[SinkSimulatorConfig]):
         self._ended_at: float | None = None
         self._steady_to_stamp = time.time_ns() - time.monotonic_ns()
         self._simulator = Simulator(config, self._epochs, time.monotonic(), on_board(config.traffic.alpha))
+        if isinstance(world, _Driven):
+            self._simulator.measure = world.measured_by(self._simulator)
         self._stop = threading.Event()
         self._failed: Exception | None = None
         port = PtyPort(config.link)
@@ -104,6 +108,8 @@ class SinkSimulator(TrackingNode[SinkSimulatorConfig]):
         return begun + round((ns - self._first_ns) / self._speed)
 
     def _tell_heard(self) -> None:
+        if self.config.driven.on:  # the robot hears it
+            return
         told = self._simulator.told
         while told:
             _, dst, record = told.popleft()
@@ -138,7 +144,53 @@ class SinkSimulator(TrackingNode[SinkSimulatorConfig]):
         return {**simulator.counters, **simulator.device.chip.counters, **struck, 'lost bytes': self._loop.lost_bytes}
 
 
-class _Track:
+class _Recorded:
+    """A recording behind the sink."""
+
+    def __init__(self, config: SinkSimulatorConfig) -> None:
+        recording = recording_of(config.scenario, config.bag, config.seed, config.target_id)
+        self.anchors, self.epochs = recording.anchors, air_epochs(recording)
+        self.first_ns = min((m.stamp_ns for m in recording.messages), default=0)
+        self.truth: Mapping[int, Track] = {i: _Samples(truth) for i, truth in sorted(recording.truth.items())}
+
+
+class _Driven:
+    """Two robots behind it, of which one drives by what the sink is told."""
+
+    def __init__(self, config: SinkSimulatorConfig) -> None:
+        self._air = DrivenAir(config.driven, config.seed, config.rate)
+        self.anchors, self.epochs, self.first_ns = self._air.anchors, self._air.epochs, 0
+        self.truth: Mapping[int, Track] = {i: _Live(samples) for i, samples in self._air.samples.items()}
+
+    def measured_by(self, simulator: Simulator) -> Measure:
+        """In the thread of the sink, which hears the host as well."""
+
+        def measure(epoch: AirEpoch, now: float) -> AirEpoch:
+            told = [simulator.told.popleft() for _ in range(len(simulator.told))]
+            return self._air.measure(epoch, now, told)
+
+        return measure
+
+
+class Track(Protocol):
+    """Where a target really is."""
+
+    def up_to(self, ns: int) -> list[Sample]:
+        """The samples that were not given yet, up to the first one after `ns`."""
+
+
+class _Live:
+    """Samples that are made in the thread of the sink, given out once each."""
+
+    def __init__(self, samples: deque[driven_air.Sample]) -> None:
+        self._samples = samples
+
+    def up_to(self, ns: int) -> list[Sample]:
+        made = [self._samples.popleft() for _ in range(len(self._samples))]
+        return [(round(t * 1e9), np.array(state), 0.0) for t, state in made]
+
+
+class _Samples:
     """The samples of one target, given out once each."""
 
     def __init__(self, truth: Truth) -> None:

@@ -87,6 +87,12 @@ class Ranging:
         return Measured(asked, z)
 
 
+def draws(seed: int, target_id: int, k: int) -> tuple[Floats, Floats]:
+    """Of noise, N(0, 1), and of loss, U(0, 1), of the range to a target in period k; equal seeds give equal ones."""
+    generator = keyed(seed, CELLS + target_id, k)
+    return np.asarray(generator.standard_normal()), np.asarray(generator.random())
+
+
 def measure(
     config: CellsConfig, states: Floats, normals: Floats, uniforms: Floats, station: Station | None = None
 ) -> Measured:
@@ -166,9 +172,7 @@ def _packets(
     config: CellsConfig, stations: Stations | None, scenario: Scenario, seed: int, target_id: int, stamps: Sequence[int]
 ) -> Iterator[Sequence[Range]]:
     """One range a period, or none where it was lost."""
-    generators = [keyed(seed, CELLS + target_id, k) for k in range(len(stamps))]
-    normals = np.array([generator.standard_normal() for generator in generators])
-    uniforms = np.array([generator.random() for generator in generators])
+    normals, uniforms = np.array([draws(seed, target_id, k) for k in range(len(stamps))]).T
     told = measure(config, scenario.truth, normals, uniforms, stations() if stations else None)
     asked = scenario.anchors.ids[told.rows]
     variance = config.range_std**2 if config.range_std else float('nan')

@@ -17,6 +17,7 @@ from wsn_tracking.models.motion import coordinated_turn
 from wsn_tracking.models.range_bearing import wrapped
 from wsn_tracking.parameters import param
 
+FIRST, SECOND = 1, 2  # target ids of the robots
 CONTROL_S = 0.02  # [s] the wheels are set anew so often
 MEMORY_S = 1.0  # [s] for which the sum of errors goes on after a feedback
 
@@ -110,6 +111,13 @@ class DrivenRobot:
         """Where it really is, [x, y, vx, vy]."""
         x, y, heading = self._at
         return np.array([x, y, self._drive.v * np.cos(heading), self._drive.v * np.sin(heading)])
+
+    def hear(self, target_id: int, position: Floats, t: float) -> None:
+        """Where either robot is seen (2,) [m]; others are none of its business."""
+        if target_id == FIRST:
+            self.hear_first(position, t)
+        elif target_id == SECOND:
+            self.hear_own(position, t)
 
     def hear_own(self, position: Floats, t: float) -> None:
         """Where it is seen itself (2,) [m]."""
