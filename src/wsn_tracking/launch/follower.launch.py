@@ -1,4 +1,4 @@
-"""Two robots in phase: a simulated sink, the bridge and the hybrid tracker in a ring; the second drives by the feedback.
+"""Two robots in phase: simulated sink, bridge and hybrid tracker in a ring; the second drives by the feedback.
 
 ros2 launch wsn_tracking follower.launch.py
 ros2 launch wsn_tracking follower.launch.py markers:=true record:=in_phase parameters:='driven.behind=-1.0'

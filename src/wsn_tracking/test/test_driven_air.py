@@ -84,7 +84,8 @@ def test_a_lost_range_is_none_and_others_are_as_they_were():
 
 def test_what_is_told_of_others_and_of_sensing_moves_nothing():
     air = DrivenAir(DrivenConfig(cells=EXACT), 1)
-    strange = [Told(BEGUN, 0, FeedbackRecord(7, 1.0, 1.0, 0.0, 0.0)), Told(BEGUN, 0, SensingRecord(1, 1, -55, 0.2, 0.6))]
+    records = FeedbackRecord(7, 1.0, 1.0, 0.0, 0.0), SensingRecord(1, 1, -55, 0.2, 0.6)
+    strange = [Told(BEGUN, 0, record) for record in records]
     for epoch in air.epochs[:40]:
         air.measure(epoch, BEGUN + epoch.time_s, strange)
     assert np.ptp(np.array([s for _, s in air.samples[SECOND]]), axis=0).tolist() == [0.0] * 4
