@@ -102,7 +102,19 @@ def order(s: Samples) -> Sequence[Figure]:
             shape=(1.01, None),
         ),
         ratio('EI [8,12] / EI [8,10]', s['local [8,12]'], s['local [8,10]'], document=1.0250, shape=(1.005, None)),
+        *cells(s),
     ]
+
+
+def cells(s: Samples) -> list[Figure]:
+    """The whole table 1, with the mean of the three locals."""
+    found = []
+    for i in INTERVALS:
+        told = (told_local(i), *TABLE_1[i][3:])
+        for rule, number in zip(('local', 'mean', 'lci', 'trace'), told, strict=True):
+            name = WORDS.get(rule, 'locals')
+            found.append(mean(f'{key(i)}: {name}', s[f'{rule} {key(i)}'], 'cm', 100.0, document=round(number, 4)))
+    return found
 
 
 def plot_1(s: Samples) -> Sequence[Plot]:

@@ -6,6 +6,8 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from wsn_tracking.evaluation.human_runs import distances, sample, track
 from wsn_tracking.evaluation.study_human import IMPROVED, PAPER_MAX, baseline
 from wsn_tracking.evaluation.study_human_parts import recovery
@@ -30,7 +32,8 @@ JUMP = 60.0  # [s] when a target jumps
 def profiles(seed: int, runs: int) -> Samples:
     """All filters over the same walks."""
     walks = sample(BodyConfig(), runs, seed)
-    return compared(CONFIGS, walks, seed)
+    heard = np.sum(~np.isnan(walks.z), axis=-1).mean(axis=-1)
+    return {**compared(CONFIGS, walks, seed), 'heard': np.asarray(heard)}
 
 
 PROFILES = Experiment('c profiles', profiles, runs=8, units=12, quick=2)
@@ -46,6 +49,7 @@ def walking(s: Samples) -> Sequence[Figure]:
         root_mean(f'RMSE, {OURS}', s[OURS], 'm'),
         median(f'NEES (of 2) of the median walk, {PAPER}', s[f'{PAPER}: nees']),
         median(f'NEES (of 2) of the median walk, {OURS}', s[f'{OURS}: nees']),
+        mean('readings an epoch, which all filters share', s['heard']),
     ]
 
 

@@ -11,7 +11,7 @@ from wsn_tracking.evaluation.human_runs import SETTLED, Walks, distances, sample
 from wsn_tracking.evaluation.metrics import nees
 from wsn_tracking.evaluation.study_human import NOISES, PAPER_MAX, SPACINGS, baseline, direction
 from wsn_tracking.models.anchors import Floats
-from wsn_tracking.reproduction.claims import PICTURE, Claim, Experiment, Figure, Plot, Samples, Series, nothing
+from wsn_tracking.reproduction.claims import PICTURE, Claim, Experiment, Figure, Plot, Samples, Series
 from wsn_tracking.reproduction.quantities import curve, mean, median, path, ratio, root_mean
 from wsn_tracking.simulation.c_body import BodyConfig, CircleConfig, CorridorConfig, SpacingConfig
 from wsn_tracking.trackers.human_config import HumanConfig, MotionConfig
@@ -287,15 +287,5 @@ CLAIMS = (
         'The recording is not published: this is a simulated corridor of its size, nodes, speed and period. The '
         'document has one walk; ours are of the median one, since with 50 particles some walks are lost.',
         in_kind=True,
-    ),
-    Claim(
-        'C6',
-        'C',
-        'figure 1, section 2',
-        'Measured curves of loudness by distance, with and without the body in between.',
-        None,
-        nothing,
-        impossible='The measurements are not published. The text names the two curves the wrong way round and prints '
-        'the constant of a third one twice; its numbers are used here with the names exchanged.',
     ),
 )
