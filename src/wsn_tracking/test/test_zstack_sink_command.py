@@ -132,12 +132,14 @@ def test_probe_of_a_capture_sums_it_up(capsys, capture):
     assert '40 seen, all fit scale cc26x2' in right
 
 
-def test_probe_of_nothing_says_that_nothing_was_seen(capsys, capture):
-    code, out, _ = run(capsys, 'probe', capture(b''))
-    assert code == 0
-    assert 'firmware  not told' in out
-    assert 'reports   none' in out
-    assert 'none seen' in out
+@pytest.mark.parametrize('what', ['probe', 'dump'])
+@pytest.mark.parametrize('content', [b'', b'no frames here\n', bytes(range(200))])
+def test_file_that_holds_nothing_of_a_sink_is_refused_in_one_line(capsys, capture, what, content):
+    code, out, err = run(capsys, what, capture(content))
+    assert (code, out) == (1, '')
+    (line,) = err.splitlines()
+    assert f'captured.bin ({len(content)} bytes)' in line
+    assert 'expected what was captured' in line
 
 
 def test_probe_of_a_live_sink_asks_and_changes_nothing(capsys, sink):

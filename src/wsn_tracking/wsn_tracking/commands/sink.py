@@ -112,14 +112,21 @@ def _counted(counters: Mapping[str, int]) -> str:
 
 def _run(config: LinkConfig, tap: Tap, duration: float | None, *, questions: bool) -> Mapping[str, int]:
     """Have everything shown to `tap` that a port or a file says; what was counted."""
+    from wsn_tracking.errors import TrackingError
     from wsn_tracking.zstack.capture import is_capture, read_capture
     from wsn_tracking.zstack.listening import listen
     from wsn_tracking.zstack.protocols import protocol_of
 
     protocol = protocol_of(config.sink_protocol, config.radio, config.timeout.gap, tap)
     if is_capture(config.port):
-        protocol.feed(read_capture(config.port), 0.0)
+        data = read_capture(config.port)
+        protocol.feed(data, 0.0)
         protocol.flush()
+        if not any(protocol.counters.get(name) for name in ('frames', 'lines')):
+            raise TrackingError(
+                f'nothing in {config.port} ({len(data)} bytes) was said by a {config.sink_protocol} sink: expected '
+                'what was captured from its line, raw or in hexadecimal; --protocol names another kind of sink'
+            )
     else:
         listen(config, protocol, duration, questions=questions)
     return protocol.counters
