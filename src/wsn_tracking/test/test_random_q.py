@@ -22,7 +22,7 @@ from wsn_tracking.sensing.values import Epoch, Modality, Range, RangeBearing, Rs
 from wsn_tracking.trackers.estimate import Estimate, Kind, check_usable
 from wsn_tracking.trackers.estimator import EstimatorConfig, make_estimator
 from wsn_tracking.trackers.fusing import Fuser, FusionConfig, compared
-from wsn_tracking.trackers.random_q import LocalEstimator, keep_inside, process_root
+from wsn_tracking.trackers.random_q import LocalEstimator, keep_inside, motion_of
 from wsn_tracking.trackers.random_q_config import (
     NoiseConfig,
     RandomQConfig,
@@ -67,16 +67,31 @@ def same(one, other):
 
 def test_identity_noise_is_q_times_one_and_nothing_passes_in_no_time():
     q = np.array([2.0, 7.0])
-    np.testing.assert_array_equal(process_root(NoiseConfig(), q, 1.0), scaled_identity(q))
-    assert not process_root(NoiseConfig(), q, 0.0).any()
-    assert process_root(NoiseConfig(), q, 0.0).shape == (2, 4, 4)
+    np.testing.assert_array_equal(motion_of(NoiseConfig(), q, 1.0)[1], scaled_identity(q))
+    F, chol_Q = motion_of(NoiseConfig(), q, 0.0)
+    np.testing.assert_array_equal(F, np.eye(4))
+    assert not chol_Q.any()
+    assert chol_Q.shape == (2, 4, 4)
 
 
 def test_acceleration_noise_is_scaled_on_its_root_by_2q_over_the_sum_of_the_bounds():
     config = NoiseConfig(kind='acceleration', q_min=2.0, q_max=6.0, spectral_density=0.3)
     whole = white_acceleration(0.3, 0.5)
-    np.testing.assert_allclose(process_root(config, np.array(4.0), 0.5), whole)
-    np.testing.assert_allclose(process_root(config, np.array([2.0, 6.0]), 0.5), [0.5 * whole, 1.5 * whole])
+    np.testing.assert_allclose(motion_of(config, np.array(4.0), 0.5)[1], whole)
+    np.testing.assert_allclose(motion_of(config, np.array([2.0, 6.0]), 0.5)[1], [0.5 * whole, 1.5 * whole])
+
+
+def test_a_velocity_that_is_forgotten_ends_where_it_began():
+    """Long after the last reading a velocity has variance S time / 2, and no memory of what it was."""
+    noise = NoiseConfig(kind='acceleration', spectral_density=0.25, velocity_time=2.0)
+    F, chol_Q = motion_of(noise, np.array(7.0), 100.0)
+    np.testing.assert_allclose(F[:, 2:], [[2.0, 0.0], [0.0, 2.0], [0.0, 0.0], [0.0, 0.0]], atol=1e-12)
+    np.testing.assert_allclose((chol_Q @ chol_Q.T)[2:, 2:], 0.25 * np.eye(2), atol=1e-12)
+
+
+def test_a_velocity_is_not_forgotten_without_white_acceleration():
+    with pytest.raises(TrackingError, match='belongs to white acceleration'):
+        RandomQConfig(noise=NoiseConfig(velocity_time=2.0)).checked()
 
 
 def test_q_is_uniform_between_its_bounds_and_of_each_estimator_its_own():

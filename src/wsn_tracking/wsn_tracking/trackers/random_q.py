@@ -15,8 +15,8 @@ from wsn_tracking.filters.start import Sight, area_of, likelihood_start
 from wsn_tracking.models.anchors import Anchors, Floats
 from wsn_tracking.models.draws import Stream
 from wsn_tracking.models.measurement import POSITION, Function
-from wsn_tracking.models.motion import constant_velocity
-from wsn_tracking.models.noise import scaled_identity, white_acceleration
+from wsn_tracking.models.motion import constant_velocity, forgetful_velocity
+from wsn_tracking.models.noise import scaled_identity
 from wsn_tracking.models.offsets import drift
 from wsn_tracking.models.radio_map import RadioMap
 from wsn_tracking.models.region import kept_inside
@@ -30,14 +30,15 @@ PLANAR = len(PLANAR_STATES)
 WHITE = 0.25  # least share of a link's noise that stays white beside its drifting offset
 
 
-def process_root(config: NoiseConfig, q: Floats, dt: float) -> Floats:
-    """chol_Q (..., 4, 4) for drawn q (...) and a step of dt [s]; zero for dt = 0."""
+def motion_of(config: NoiseConfig, q: Floats, dt: float) -> tuple[Floats, Floats]:
+    """F (4, 4) and chol_Q (..., 4, 4) for drawn q (...) and a step of dt [s]; nothing happens in no time."""
     if dt <= 0.0:
-        return np.zeros((*np.shape(q), 4, 4))
+        return np.eye(4), np.zeros((*np.shape(q), 4, 4))
     if config.kind == 'identity':
-        return scaled_identity(q)
+        return constant_velocity(dt), scaled_identity(q)
+    F, chol_Q = forgetful_velocity(config.spectral_density, dt, config.velocity_time)
     factor = 2.0 * np.asarray(q) / (config.q_min + config.q_max)
-    return factor[..., None, None] * white_acceleration(config.spectral_density, dt)
+    return F, factor[..., None, None] * chol_Q
 
 
 def random_q_step(
@@ -55,7 +56,7 @@ def random_q_step(
 
 def predict_step(belief: Belief, dt: float, q: Floats, config: RandomQConfig) -> Belief:
     """Time update by dt [s] with the drawn q (...); offsets, where the belief has them, drift."""
-    F, chol_Q = constant_velocity(dt), process_root(config.noise, q, dt)
+    F, chol_Q = motion_of(config.noise, q, dt)
     links = belief.m.shape[-1] - PLANAR
     if links and dt > 0.0:
         F, chol_Q = drift(F, chol_Q, dt, np.full(links, config.robust.offset_std), config.robust.offset_time)

@@ -24,6 +24,9 @@ class NoiseConfig:
     q_min: float = param(6.0, 'lower bound of the drawn q', 'cm and cm/s', 0.0, 1e6)
     q_max: float = param(8.0, 'upper bound of the drawn q', 'cm and cm/s', 0.0, 1e6)
     spectral_density: float = param(1.6e-3, 'acceleration: S', 'm^2/s^3', 0.0, 1e6)
+    velocity_time: float = param(
+        0.0, 'acceleration: after which a velocity is forgotten; 0: never (the document)', 's', 0.0, 1e6
+    )
 
 
 @dataclass(frozen=True)
@@ -100,6 +103,8 @@ class RandomQConfig:
             raise TrackingError(f'`noise.q_max` {self.noise.q_max:g} is below `noise.q_min` {self.noise.q_min:g}')
         if self.noise.q_max == 0.0:
             raise TrackingError('`noise.q_max` is 0: without process noise a filter stops listening')
+        if self.noise.velocity_time and self.noise.kind != 'acceleration':
+            raise TrackingError('`noise.velocity_time` belongs to white acceleration: set `noise.kind` to acceleration')
         if self.area:
             region_of(tuple(self.area))
         if len(self.start.mean) != 4 or len(self.start.std) != 4:
