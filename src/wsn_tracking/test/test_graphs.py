@@ -91,7 +91,8 @@ def test_the_configuration_is_the_one_asked_for_else_the_feeds_else_random_q():
     assert 'nodes' in planned(source(configuration='random_q'), 'danis_three').estimators[0]
     assert 'nodes' in planned(source(configuration='danis_three')).estimators[0]
     nameless = source()._replace(metadata={})
-    assert planned(nameless).estimators == planned(nameless, 'random_q').estimators
+    assert planned(nameless).estimators[0]['update.kind'] == planned(nameless, 'random_q').estimators[0]['update.kind']
+    assert planned(source(configuration='random_q')).estimators == planned(source(), 'random_q').estimators
     assert planned(nameless, load_configuration('danis_three')).sensing is None
 
 

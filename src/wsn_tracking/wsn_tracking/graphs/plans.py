@@ -7,6 +7,7 @@ from pathlib import Path
 from wsn_tracking.configuration import Configuration, configuration_names, load_configuration
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.graphs.consensus import CONSENSUS, plan_consensus
+from wsn_tracking.graphs.facts import facts_of, told
 from wsn_tracking.graphs.parts import Plan, Source
 from wsn_tracking.graphs.random_q import RANDOM_Q, plan_random_q
 from wsn_tracking.graphs.single import CONFIGS, plan_single
@@ -54,6 +55,11 @@ def configuration_of(system: str, source: Source) -> str:
     return next((name for name in special if name in known), system)
 
 
+def is_made_for(configuration: str, system: str, source: Source) -> bool:
+    """Whether a configuration of a system is for this feed; that of a document is for the feeds that name it."""
+    return configuration != system or source.metadata.get('configuration') == system
+
+
 def plans_of(
     source: Source,
     anchors: Anchors,
@@ -62,17 +68,23 @@ def plans_of(
     settings: Values | None = None,
     target_id: int = -1,
 ) -> tuple[Plan, ...]:
-    """The plan of each system (see `systems_of`); a configuration by name or path is for all of them."""
+    """The plan of each system (see `systems_of`); a configuration by name or path is for all of them.
+
+    Without one, a system for which the feed has none of its own is told what follows from the field (see `facts`).
+    """
     name = configuration if isinstance(configuration, str) else ''
     plans: list[Plan] = []
     for system in systems_of(source, trackers, name):
-        chosen = configuration
+        chosen, given = configuration, dict(settings or {})
         if isinstance(chosen, str):
-            chosen = load_configuration(chosen or configuration_of(system, source))
+            own = chosen or configuration_of(system, source)
+            if not (chosen or is_made_for(own, system, source)):
+                given = {**told(system, source, anchors, facts_of(source, anchors)), **given}
+            chosen = load_configuration(own)
         if system == RANDOM_Q:
-            plans.append(plan_random_q(source, chosen, settings, target_id))
+            plans.append(plan_random_q(source, chosen, given, target_id))
         elif system == CONSENSUS:
-            plans.append(plan_consensus(source, anchors, chosen, settings, target_id))
+            plans.append(plan_consensus(source, anchors, chosen, given, target_id))
         else:
-            plans.append(plan_single(system, source, chosen, settings, target_id))
+            plans.append(plan_single(system, source, chosen, given, target_id))
     return tuple(plans)
