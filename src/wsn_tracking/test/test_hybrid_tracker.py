@@ -157,6 +157,19 @@ def test_an_epoch_of_another_target_is_refused():
 # --- tracks that are lost
 
 
+def test_a_feed_slower_than_stale_keeps_its_track_for_four_periods():
+    """A range every 1.5 s, and a `stale` of 1 s as by default; then silence."""
+    period = 1_500_000_000
+    walk = [walk_of([x], seed=k, each=4)[0].measurements for k, x in enumerate(RESTING[:20])]
+    epochs = [
+        Epoch(1, k, k * period, tuple(p._replace(stamp_ns=k * period) for p in ranges)) for k, ranges in enumerate(walk)
+    ]
+    tracker, estimates = tracked(epochs, HybridConfig(period=1.5))
+    assert {e.kind for e in estimates[1:]} == {Kind.LOCAL}
+    kinds = [tracker.step(Epoch(1, 20 + k, (19 + k) * period + 1, ()))[0].kind for k in range(1, 5)]
+    assert kinds == [Kind.LOCAL] * 3 + [Kind.START]
+
+
 @pytest.mark.parametrize('kind', ['auto', 'ls'])
 def test_a_silent_track_is_stale_after_a_second_and_found_anew_by_least_squares(kind):
     first = walk_of(RESTING[:60])

@@ -26,6 +26,7 @@ from wsn_tracking.trackers.hybrid_search import Search
 
 FORGET = 1.0 / 16.0  # weight of the newest range in what is averaged over ranges
 DOUBT = 0.1  # share of gated ranges from which on a track that fell silent is not trusted
+PATIENCE = 4.0  # periods without a range that no track minds
 TOGETHER, THIN = 3, 4  # literal: ranges of an instant, and epochs in a row with fewer that show that none will have
 
 
@@ -44,6 +45,7 @@ class HybridTracker:
         self.table = DistanceTable(anchors, config.range_std)
         self._places = anchors.positions - np.array([0.0, 0.0, config.target_height])
         self._area = region_of(config.area or area_of(anchors)).box
+        self._stale = max(config.stale, PATIENCE * config.period)
         self.counters: Counter[str] = Counter()
         self.reset()
 
@@ -91,7 +93,7 @@ class HybridTracker:
         used: list[Distance] = []
         for group in self._groups(self.table.read(epoch, self.counters)):
             t = self._seconds(group[0].stamp_ns)
-            if t < self._t - self.config.stale:
+            if t < self._t - self._stale:
                 self.counters['late'] += len(group)
                 continue
             self._lose_if_stale(t)
@@ -161,7 +163,7 @@ class HybridTracker:
         return True
 
     def _lose_if_stale(self, t: float) -> None:
-        if self._track is not None and t - self._heard > self.config.stale:
+        if self._track is not None and t - self._heard > self._stale:
             self._lose('stale')
 
     def _lose(self, why: str) -> None:

@@ -109,7 +109,9 @@ class HybridConfig:
     )
     period: float = param(0.05, 'T: time between ranges of a target', 's', 1e-4, 3600.0)
     range_std: float = param(0.02, 'of ranges that tell neither variance nor come from RSSI', 'm', 1e-6, 1e3)
-    stale: float = param(1.0, 'without a usable range for so long a track is found anew', 's', 1e-3, 1e6)
+    stale: float = param(
+        1.0, 'without a usable range for so long, four periods at least, a track is found anew', 's', 1e-3, 1e6
+    )
     channel: str = param('', 'file of `calibrate` with the radios of the nodes; empty: the anchors tell')
     motion: MotionConfig = group(MotionConfig)
     robust: RobustConfig = group(RobustConfig)
