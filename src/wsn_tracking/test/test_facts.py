@@ -19,8 +19,6 @@ NAMELESS = source_of('somewhere', A_LOOP)._replace(metadata={})
 SPACING = 1.2  # [m] between the nodes of a_loop
 
 places = st.lists(st.tuples(*[st.integers(-(10**6), 10**6)] * 3), min_size=2, max_size=12, unique=True)  # [mm]
-    st.tuples(*[st.floats(-1e3, 1e3).map(lambda x: round(x, 3))] * 3), min_size=2, max_size=12, unique=True
-)
 
 
 @given(places)
