@@ -316,10 +316,10 @@ def test_mute_sink_is_lost_after_three_pings_and_opened_for_ever(sink, host):
 
 
 def test_missed_pings_are_forgotten_when_the_sink_speaks(sink, host):
-    up = host(timeout=IMPATIENT)
+    up = host(timeout=dataclasses.replace(FAST, idle=0.05))
     up.wait_up()
     sink.answers[c.SysPing] = lambda asked: [c.SysPingRsp(1)] if len(sink.questions(c.SysPing)) % 3 == 0 else []
-    sink.wait_asked(c.SysPing, 20)
+    sink.wait_asked(c.SysPing, 10)
     assert up.counted('lost') == 0
 
 

@@ -202,7 +202,7 @@ def test_lines_of_a_live_sink_are_only_listened_to(capsys, sink):
     ('arguments', 'words'),
     [
         (('probe', '/dev/ttyABSENT'), 'no such port: /dev/ttyABSENT'),
-        (('dump', '/dev/null'), 'cannot be opened as a serial port'),
+        (('dump', '/dev/null'), 'cannot be opened as a serial port (Inappropriate ioctl for device)'),
         (('dump', '/dev/ttyABSENT', '--set', 'nonsense=1'), 'expected NAME=VALUE, NAME one of port'),
         (('dump', '/dev/ttyABSENT', '--baud', '1'), 'expected an integer >= 1200'),
     ],

@@ -95,6 +95,10 @@ def _why(name: str, error: Exception) -> str:
     return f'{name} cannot be opened as a serial port ({_reason(error)}): expected a tty'
 
 
-def _reason(error: Exception) -> str:
+def _reason(error: BaseException) -> str:
     number = getattr(error, 'errno', None)
-    return os.strerror(number) if isinstance(number, int) else str(error) or type(error).__name__
+    if isinstance(number, int):
+        return os.strerror(number)
+    if isinstance(error, serial.SerialException) and error.__context__ is not None:  # pyserial's words quote another's
+        return _reason(error.__context__)
+    return str(error.args[-1]) if error.args else type(error).__name__
