@@ -7,10 +7,13 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.evaluation.interpolation import truth_at
+from wsn_tracking.models.anchors import Anchors, Floats
 from wsn_tracking.sensing.average import usable
+from wsn_tracking.sensing.body_fit import facing
 from wsn_tracking.sensing.recording import Recording
 from wsn_tracking.sensing.survey import Readings, Survey, survey_of
 from wsn_tracking.sensing.values import Range, Request, Rssi
@@ -19,6 +22,15 @@ SURVEYS = {  # file that tells the set
     '*.hst': 'danis',
     'calibration_df.csv': 'kolakowski',
 }
+
+
+class Walk(NamedTuple):
+    """Signal strengths of a node that is worn, in the order of time."""
+
+    readings: Readings
+    facing: Floats  # (M,) [rad] where the body faces; NaN: not known
+    anchors: Anchors
+    origin: Mapping[str, str]
 
 
 class Found(NamedTuple):
@@ -66,27 +78,61 @@ def _set_at(path: Path) -> str | None:
     )
 
 
-def _of_bag(path: Path, until: float | None, namespace: str | None) -> Found:
+def open_walk(path: Path | str, until: float | None = None, namespace: str | None = None) -> Walk:
+    """The signal strengths of a bag with truth; `until` as in `open_survey`."""
+    path = Path(path)
+    if path.is_dir() and _set_at(path) is not None:
+        raise TrackingError(f'{path} is a survey of places, nobody wears a node in it: give a bag with truth')
+    recording = _bag_with_truth(path, namespace)
+    readings, ranges, rows = _readings(recording, until, path)
+    if ranges:
+        raise TrackingError(f'{path} holds ranges, a body is one of signal strengths: leave out --body')
+    facing_at = np.full(len(readings.values), np.nan)
+    for target, truth in recording.truth.items():
+        of_target = rows.targets == target
+        way = facing(truth.stamps_ns, truth.positions, truth.velocities, truth.headings)
+        at = np.clip(np.searchsorted(truth.stamps_ns, rows.stamps[of_target], side='right') - 1, 0, way.size - 1)
+        facing_at[of_target] = way[at]
+    return Walk(readings, facing_at, recording.anchors, _named(recording, until, path))
+
+
+def _bag_with_truth(path: Path, namespace: str | None) -> Recording:
     from wsn_tracking.bags.read import read
 
     recording = read(path, namespace)
     if not recording.truth:
         raise TrackingError(f'{path} holds no truth/target_<id>: without it nobody knows the distances')
-    readings, ranges = _readings(recording, until, path)
+    return recording
+
+
+def _of_bag(path: Path, until: float | None, namespace: str | None) -> Found:
+    recording = _bag_with_truth(path, namespace)
+    readings, ranges, _ = _readings(recording, until, path)
     survey = survey_of(readings, recording.anchors, ranges=ranges)
+    return Found(survey, ranges, {**_named(recording, until, path), **_size(survey)})
+
+
+def _named(recording: Recording, until: float | None, path: Path) -> dict[str, str]:
+    """What a bag is."""
     source = recording.metadata.get('source', '')
     slice_ = {} if until is None else {'until': f'{until:g} s after the first message'}
-    named = {'source': source} if source else {}
-    return Found(survey, ranges, {'bag': path.resolve().name, **named, **slice_, **_size(survey)})
+    return {'bag': path.resolve().name, **({'source': source} if source else {}), **slice_}
 
 
-def _readings(recording: Recording, until: float | None, path: Path) -> tuple[Readings, bool]:
+class Rows(NamedTuple):
+    """Whose and when readings are, (M,) each."""
+
+    targets: NDArray[np.int64]
+    stamps: NDArray[np.int64]  # [ns]
+
+
+def _readings(recording: Recording, until: float | None, path: Path) -> tuple[Readings, bool, Rows]:
     """Every usable measurement whose target's place is known, and whether they are ranges."""
     measured = [m for m in recording.messages if isinstance(m, (Rssi, Range)) and usable(m)]
     heard = [m for m in measured if m.target_id in recording.truth]
     stamps = np.array([m.stamp_ns for m in heard], dtype=np.int64)
     first = min((m.stamp_ns for m in recording.messages if isinstance(m, (Request, Rssi, Range))), default=0)
-    targets = np.array([m.target_id for m in heard])
+    targets = np.array([m.target_id for m in heard], dtype=np.int64)
     positions = np.full((len(heard), 3), np.nan)
     for target, truth in recording.truth.items():
         rows = np.flatnonzero(targets == target)
@@ -103,7 +149,7 @@ def _readings(recording: Recording, until: float | None, path: Path) -> tuple[Re
     ranges = recording.entry_level == 'range'
     values = np.array([m.range if isinstance(m, Range) else m.rssi_dbm for m in heard])
     ids = np.array([m.node_id for m in heard], dtype=np.int64)
-    return Readings(positions[use], ids[use], values[use]), ranges
+    return Readings(positions[use], ids[use], values[use]), ranges, Rows(targets[use], stamps[use])
 
 
 def _size(survey: Survey) -> dict[str, str]:

@@ -178,7 +178,7 @@ def anchors_of(columns: Columns) -> Anchors:
 def truth_of(target_id: int, columns: Columns) -> tuple[Truth, int]:
     """The decoded Odometry as one ascending track, and how many messages could not be part of it.
 
-    The twist is turned from the child frame into the frame of the pose (REP-105); a velocity whose variance
+    The twist is turned from the child frame into the frame of the pose (REP-105); a velocity or a yaw whose variance
     is UNKNOWN or more becomes NaN.
     """
     stamps = stamps_ns(columns)
@@ -187,10 +187,14 @@ def truth_of(target_id: int, columns: Columns) -> tuple[Truth, int]:
     quaternion = _vectors(columns, 'pose.pose.orientation', 'xyzw')
     variance = np.asarray(columns['twist.covariance'], dtype=np.float64).reshape(-1, 6, 6)[:, range(3), range(3)]
     velocity = np.where(variance < UNKNOWN, _turn(quaternion, linear), np.nan)
+    yaw_variance = np.asarray(columns['pose.covariance'], dtype=np.float64).reshape(-1, 36)[:, -1]
+    upright = (quaternion[:, :3] == 0.0).all(axis=1) & (yaw_variance == 0.0)  # of those who set neither
+    heading = np.where((yaw_variance < UNKNOWN) & ~upright, _yaw(quaternion), np.nan)
     usable = np.flatnonzero(np.all(np.isfinite(position), axis=1))
     stamps, first = np.unique(stamps[usable], return_index=True)
     rows = usable[first]
-    return Truth(target_id, stamps, position[rows], velocity[rows]), position.shape[0] - rows.size
+    told = heading[rows] if np.isfinite(heading[rows]).any() else None
+    return Truth(target_id, stamps, position[rows], velocity[rows], told), position.shape[0] - rows.size
 
 
 def _vectors(columns: Columns, prefix: str, axes: str) -> Floats:
@@ -206,6 +210,14 @@ def _turn(quaternion: Floats, vector: Floats) -> Floats:
         axis, w = unit[:, :3], unit[:, 3:]
         half = 2.0 * np.cross(axis, vector)
         return np.asarray(vector + w * half + np.cross(axis, half), dtype=np.float64)
+
+
+def _yaw(quaternion: Floats) -> Floats:
+    """Direction (K,) [rad] of the x axis in the plane, of (K, 4) quaternions x y z w; NaN: unusable."""
+    x, y, z, w = quaternion.T
+    with np.errstate(invalid='ignore'):
+        norm = np.sqrt(x * x + y * y + z * z + w * w)
+        return np.where(norm > 1e-9, np.arctan2(2.0 * (w * z + x * y), w * w + x * x - y * y - z * z), np.nan)
 
 
 def estimates_of(columns: Columns) -> list[Estimate]:

@@ -22,11 +22,22 @@ def add(commands: Commands) -> None:
         'find the radio of every node, from a survey or from a bag with truth',
         'Position-Annotated-BLE-RSSI-Dataset --map -o danis.yaml',
         'lias_mid --until 15 -o lias.yaml',
+        'bags/c_walk --body -o worn.yaml',
     )
     command.add_argument('source', metavar='SRC|BAG', help='folder of a survey (danis, kolakowski), or bag with truth')
     command.add_argument('-o', '--output', required=True, metavar='FILE', help='channel file (YAML); replaced if there')
     command.add_argument('--until', type=seconds, metavar='S', help='use only this much from the start of the bag')
     command.add_argument('--map', action='store_true', help='signal strengths: a radio map as well')
+    command.add_argument(
+        '--body',
+        action='store_true',
+        help='signal strengths of a node that is worn: what the body does, in front and behind, by truth and headings',
+    )
+    command.add_argument(
+        '--channel',
+        metavar='FILE',
+        help='with --body: radios that are known, e.g. of a survey; else from the bag itself',
+    )
     command.add_argument('--namespace', help='namespace in the bag, where it holds several')
 
 
@@ -36,6 +47,10 @@ def _do(options: argparse.Namespace) -> int:
     from wsn_tracking.sensing.channel_fit import fit_path_loss, fit_ranging
     from wsn_tracking.surveys import open_survey
 
+    if options.body:
+        return _of_body(options)
+    if options.channel:
+        raise TrackingError('--channel gives the radios that --body is beside: it is of no use without --body')
     found = open_survey(options.source, options.until, options.namespace)
     origin = found.origin
     if found.ranges:
@@ -49,6 +64,39 @@ def _do(options: argparse.Namespace) -> int:
     print(f'{options.output}: {", ".join(f"{name} {words}" for name, words in channel.origin.items())}')
     _print_table(channel)
     return 0
+
+
+def _of_body(options: argparse.Namespace) -> int:
+    from wsn_tracking.errors import TrackingError
+    from wsn_tracking.sensing.body_fit import fit_worn
+    from wsn_tracking.sensing.channel import load_channel, save_channel
+    from wsn_tracking.surveys import open_walk
+
+    if options.map:
+        raise TrackingError('--map is of a survey, --body of a walk: make the map first, and give it by --channel')
+    walk = open_walk(options.source, options.until, options.namespace)
+    known = load_channel(options.channel) if options.channel else None
+    channel = fit_worn(walk.readings, walk.facing, walk.anchors, known)
+    origin = {**channel.origin, **{f'body_{name}': words for name, words in walk.origin.items()}}
+    save_channel(options.output, channel._replace(origin=origin))
+    print(f'{options.output}: {", ".join(f"{name} {words}" for name, words in origin.items())}')
+    if known is None:
+        _print_table(channel)
+    _print_body(channel)
+    return 0
+
+
+def _print_body(channel: Channel) -> None:
+    """What the body does beside path loss, with halves of 95 % intervals."""
+    body = channel.body
+    assert body is not None
+    print(f'body    readings {body.readings[0]} + {body.readings[1]}, scatter {body.sigma_db:.2f} dB')
+    for name, line in (('loss', body.loss), ('los', body.los), ('nlos', body.nlos)):
+        if line is not None:
+            cells = [
+                f'{v:7.2f} ± {0.5 * (h - l):5.2f}' for v, l, h in zip(line.value, line.low, line.high, strict=True)
+            ]
+            print(f'{name:<8}{" dB at 1 m, ".join(cells)} dB{" per decade" if len(cells) > 1 else ""}')
 
 
 def _print_table(channel: Channel) -> None:

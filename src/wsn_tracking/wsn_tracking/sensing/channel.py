@@ -44,6 +44,16 @@ class Ranging(NamedTuple):
     readings: NDArray[np.int64]
 
 
+class Body(NamedTuple):
+    """What being worn does to signal strengths, beside each node's path loss."""
+
+    loss: Quantity  # (1,) [dB] of all readings
+    los: Quantity | None  # (2,) of nodes in front of the body: [dB] at 1 m, [dB per decade]; None: not known
+    nlos: Quantity | None  # (2,) of those behind it
+    sigma_db: float  # scatter about these
+    readings: tuple[int, int]  # in front (or all), behind
+
+
 class Channel(NamedTuple):
     """The radios of nodes `ids` (N,), ascending."""
 
@@ -52,6 +62,7 @@ class Channel(NamedTuple):
     ranging: Ranging | None
     radio_map: RadioMap | None
     origin: Mapping[str, str]  # where it came from, in words
+    body: Body | None = None
 
 
 def apply(channel: Channel, anchors: Anchors) -> Anchors:
@@ -116,6 +127,11 @@ def calibrated(path: str, anchors: Anchors) -> tuple[Anchors, RadioMap | None]:
     return apply(channel, anchors), channel.radio_map
 
 
+def body_of(path: str) -> Body | None:
+    """The body in a channel file; None where it tells of none, or the path is empty."""
+    return load_channel(path).body if path else None
+
+
 def check_channel(path: str) -> None:
     """Raise TrackingError where a path that is given leads to no channel: before anything starts, not within."""
     if path:
@@ -124,10 +140,11 @@ def check_channel(path: str) -> None:
 
 def load_channel(path: Path | str) -> Channel:
     """Read a channel file; TrackingError where it is none."""
+    from wsn_tracking.files import read_whole
     from wsn_tracking.sensing.channel_file import parse_channel  # what reads YAML is needed here alone
 
     try:
-        text = Path(path).read_text('utf-8')
+        text = read_whole(path).decode('utf-8')
     except (OSError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) else 'it is no text'
         raise TrackingError(f'channel {path} cannot be read ({reason}): expected a file of `calibrate`') from error

@@ -12,7 +12,7 @@ from wsn_tracking.errors import TrackingError
 from wsn_tracking.models.anchors import Floats
 from wsn_tracking.models.radio_map import RadioMap, make_map
 from wsn_tracking.ros_yaml import parse
-from wsn_tracking.sensing.channel import Channel, PathLoss, Quantity, Ranging
+from wsn_tracking.sensing.channel import Body, Channel, PathLoss, Quantity, Ranging
 
 FORMAT = 'wsn_tracking channel 1'
 LIMITS: Mapping[str, tuple[float, float]] = {  # of values that a radio can have
@@ -22,6 +22,9 @@ LIMITS: Mapping[str, tuple[float, float]] = {  # of values that a radio can have
     'bias': (-1e4, 1e4),
     'scale': (0.01, 100.0),
     'sigma': (1e-9, 1e4),
+    'loss': (-60.0, 60.0),
+    'at_1_m': (-100.0, 100.0),
+    'per_decade': (-100.0, 100.0),
 }
 MOST_PLACES = 5000  # a larger map would fill the memory before it served anybody
 HEADER = """\
@@ -34,6 +37,10 @@ PATH_LOSS = """
 """
 RANGING = """
 # Range [m] at distance d [m]: scale d + bias; sigma [m]: standard deviation of one range about that.
+"""
+BODY = """
+# What a body does to the node that it wears, in dB beside path loss. loss: all readings; los, nlos: nodes in front of
+# it and behind it, at 1 m and per decade of distance; sigma_db: scatter about them; readings: in front, behind.
 """
 MAP = """
 # What the survey tells beyond path loss: a Gaussian process per node (Matern 3/2) about it, of standard deviation
@@ -50,6 +57,8 @@ def channel_text(channel: Channel) -> str:
         lines += [PATH_LOSS.rstrip(), 'path_loss:', *_nodes(channel.ids, channel.path_loss)]
     if channel.ranging is not None:
         lines += [RANGING.rstrip(), 'ranging:', *_nodes(channel.ids, channel.ranging)]
+    if channel.body is not None:
+        lines += [BODY.rstrip(), 'body:', *_body_lines(channel.body)]
     if channel.radio_map is not None:
         lines += [MAP.rstrip(), 'map:', *_map_lines(channel.radio_map)]
     return '\n'.join(lines) + '\n'
@@ -66,10 +75,24 @@ def _nodes(ids: NDArray[np.int64], radios: PathLoss | Ranging) -> Iterable[str]:
         cells = []
         for name, column in radios._asdict().items():
             if isinstance(column, Quantity):
-                cells.append(f'{name}: [{", ".join(_number(float(part[row])) for part in column)}]')
+                cells.append(f'{name}: {_cell(column, row)}')
             else:
                 cells.append(f'{name}: {int(column[row])}')
         yield f'  {node}: {{{", ".join(cells)}}}'
+
+
+def _body_lines(body: Body) -> Iterable[str]:
+    yield f'  loss: {_cell(body.loss, 0)}'
+    for name in ('los', 'nlos'):
+        line = getattr(body, name)
+        if line is not None:
+            yield f'  {name}: {{at_1_m: {_cell(line, 0)}, per_decade: {_cell(line, 1)}}}'
+    yield f'  sigma_db: {_number(body.sigma_db)}'
+    yield f'  readings: [{body.readings[0]}, {body.readings[1]}]'
+
+
+def _cell(quantity: Quantity, row: int) -> str:
+    return f'[{", ".join(_number(float(part[row])) for part in quantity)}]'
 
 
 def _map_lines(radio_map: RadioMap) -> Iterable[str]:
@@ -103,7 +126,7 @@ def parse_channel(text: str, where: str) -> Channel:
     if not isinstance(content, dict) or content.get('format') != FORMAT:
         seen = content.get('format') if isinstance(content, dict) else type(content).__name__
         reader.refuse(f'its `format` is {_shown(seen)}', f'`{FORMAT}`, as `wsn-tracking calibrate` writes it')
-    known = {'format', 'origin', 'path_loss', 'ranging', 'map'}
+    known = {'format', 'origin', 'path_loss', 'ranging', 'body', 'map'}
     if unknown := sorted(str(name) for name in content if name not in known):
         reader.refuse(f'it has sections {_shown(unknown)}', ', '.join(sorted(known)))
     loss = reader.radios(content, 'path_loss')
@@ -116,6 +139,9 @@ def parse_channel(text: str, where: str) -> Channel:
     radio_map = reader.radio_map(content.get('map'), ids) if content.get('map') is not None else None
     if radio_map is not None and loss is None:
         reader.refuse('it has a `map` without `path_loss`', 'the path loss that the map is about')
+    body = reader.body(content['body']) if content.get('body') is not None else None
+    if body is not None and loss is None:
+        reader.refuse('it has a `body` without `path_loss`', 'the path loss that the body is beside')
     origin = content.get('origin') or {}
     if not isinstance(origin, dict):
         reader.refuse(f'`origin` is {_shown(origin)}', 'names with words')
@@ -125,6 +151,7 @@ def parse_channel(text: str, where: str) -> Channel:
         None if ranging is None else Ranging(**ranging[1]),
         radio_map,
         {str(name): str(words) for name, words in origin.items()},
+        body,
     )
 
 
@@ -187,6 +214,31 @@ class _Reader:
         if not good:
             self.refuse(f'{what} is {_shown(cell)}', f'{size} finite numbers')
         return [float(x) for x in cell]
+
+    def body(self, section: Any) -> Body:
+        names = {'loss', 'los', 'nlos', 'sigma_db', 'readings'}
+        needed = names - {'los', 'nlos'}
+        given = set(section) if isinstance(section, dict) else set()
+        if not needed <= given <= names or len(given & {'los', 'nlos'}) == 1:
+            self.refuse(f'`body` holds {_shown(section)}', f'{", ".join(sorted(needed))}, and los with nlos or neither')
+        (sigma,) = self.numbers([section['sigma_db']], 1, '`sigma_db` of `body`')
+        if not LIMITS['sigma_db'][0] <= sigma <= LIMITS['sigma_db'][1]:
+            self.refuse(f'`sigma_db` of `body` is {sigma:g}', 'a standard deviation above 0, up to 100 dB')
+        counts = section['readings']
+        if not isinstance(counts, list) or len(counts) != 2:
+            self.refuse(f'`readings` of `body` is {_shown(counts)}', 'two counts')
+        front, behind = (self.count(count, 'readings', '`readings` of `body`') for count in counts)
+        loss = Quantity(*np.array([self.quantity(section['loss'], 'loss', '`loss` of `body`')]).T)
+        return Body(loss, self.line(section, 'los'), self.line(section, 'nlos'), sigma, (front, behind))
+
+    def line(self, section: Mapping[str, Any], side: str) -> Quantity | None:
+        cells = section.get(side)
+        if cells is None:
+            return None
+        names = ('at_1_m', 'per_decade')
+        if not isinstance(cells, dict) or set(cells) != set(names):
+            self.refuse(f'`{side}` of `body` is {_shown(cells)}', ' and '.join(names))
+        return Quantity(*np.array([self.quantity(cells[name], name, f'`{name}` of `{side}`') for name in names]).T)
 
     def radio_map(self, section: Any, ids: NDArray[np.int64]) -> RadioMap:
         names = ('amplitude_db', 'length', 'nodes', 'residual_db', 'noise_db')

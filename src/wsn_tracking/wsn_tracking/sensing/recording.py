@@ -21,6 +21,7 @@ class Truth(NamedTuple):
     stamps_ns: NDArray[np.int64]  # (K,)
     positions: Floats  # (K, 3) [m], frame map
     velocities: Floats  # (K, 3) [m/s], frame map; NaN: not recorded
+    headings: Floats | None = None  # (K,) [rad] where it faces; NaN: not recorded; None: nowhere
 
 
 class Recording(NamedTuple):

@@ -17,7 +17,7 @@ from wsn_tracking.models.draws import Stream
 from wsn_tracking.models.map_excess import with_map
 from wsn_tracking.models.region import Region, region_of
 from wsn_tracking.models.walk import PLANAR, PSI, YAW
-from wsn_tracking.sensing.channel import calibrated
+from wsn_tracking.sensing.channel import body_of, calibrated
 from wsn_tracking.sensing.floor_plan import read_floor_plan
 from wsn_tracking.sensing.values import Epoch
 from wsn_tracking.trackers.estimate import Estimate, Kind
@@ -52,7 +52,7 @@ class HumanTracker:
             floor = region_of(tuple(config.area))
         box = _box(tuple(config.area), floor, anchors)
         self._filter = HumanFilter(config, anchors, box, floor, radio_map)
-        self._table = SignalTable(config, anchors, self.counters)
+        self._table = SignalTable(config, anchors, self.counters, body_of(config.channel))
         self._draws = Stream(config.seed, HUMAN)
         self._past = Ancestry(config.lag)
         self.reset()

@@ -12,6 +12,7 @@ from wsn_tracking.models.body import Curve, Curves
 from wsn_tracking.models.body_likelihood import Readings
 from wsn_tracking.models.radio import LN10_10
 from wsn_tracking.sensing.average import usable
+from wsn_tracking.sensing.channel import Body
 from wsn_tracking.sensing.values import Epoch, Modality, Range, Rssi
 from wsn_tracking.trackers.human_config import HumanConfig
 from wsn_tracking.trackers.human_models import curves_of
@@ -27,10 +28,10 @@ class SignalTable:
     such a reading is log-normal in the range. A body does not shade what was not measured by signal strength.
     """
 
-    def __init__(self, config: HumanConfig, anchors: Anchors, counters: Counter[str]) -> None:
+    def __init__(self, config: HumanConfig, anchors: Anchors, counters: Counter[str], body: Body | None = None) -> None:
         self._anchors = anchors
         self._rows = {node: row for row, node in enumerate(anchors.ids.tolist())}
-        self._curves = curves_of(config, anchors)
+        self._curves = curves_of(config, anchors, body)
         self._fixed = config.signal.sigma
         self._extra = config.extra_db
         self._counters = counters
