@@ -68,23 +68,38 @@ def plans_of(
     settings: Values | None = None,
     target_id: int = -1,
 ) -> tuple[Plan, ...]:
-    """The plan of each system (see `systems_of`); a configuration by name or path is for all of them.
+    """The plan of each system (see `systems_of`).
 
-    Without one, a system for which the feed has none of its own is told what follows from the field (see `facts`).
+    A configuration of this package is for its own system, a file of the user's for all of them. Without one, a system
+    for which the feed has none of its own is told what follows from the field (see `facts`).
     """
     name = configuration if isinstance(configuration, str) else ''
+    systems = systems_of(source, trackers, name)
+    if name in configuration_names() and system_of(name) not in systems:
+        raise TrackingError(f'configuration `{name}` is of system {system_of(name)}, not of {", ".join(systems)}')
     plans: list[Plan] = []
-    for system in systems_of(source, trackers, name):
-        chosen, given = configuration, dict(settings or {})
+    for system in systems:
+        is_of_another = name in configuration_names() and system_of(name) != system
+        chosen, given = '' if is_of_another else configuration, dict(settings or {})
         if isinstance(chosen, str):
             own = chosen or configuration_of(system, source)
             if not (chosen or is_made_for(own, system, source)):
                 given = {**told(system, source, anchors, facts_of(source, anchors)), **given}
             chosen = load_configuration(own)
-        if system == RANDOM_Q:
-            plans.append(plan_random_q(source, chosen, given, target_id))
-        elif system == CONSENSUS:
-            plans.append(plan_consensus(source, anchors, chosen, given, target_id))
-        else:
-            plans.append(plan_single(system, source, chosen, given, target_id))
+        try:
+            plans.append(_plan_of(system, source, anchors, chosen, given, target_id))
+        except TrackingError as error:
+            if len(systems) == 1:
+                raise
+            raise TrackingError(f'system {system}: {error}') from error
     return tuple(plans)
+
+
+def _plan_of(
+    system: str, source: Source, anchors: Anchors, configuration: Configuration, settings: Values, target_id: int
+) -> Plan:
+    if system == RANDOM_Q:
+        return plan_random_q(source, configuration, settings, target_id)
+    if system == CONSENSUS:
+        return plan_consensus(source, anchors, configuration, settings, target_id)
+    return plan_single(system, source, configuration, settings, target_id)
