@@ -12,11 +12,11 @@ from wsn_tracking.evaluation import consensus_runs as runs_of
 from wsn_tracking.evaluation.benchmark_rows import Sizes
 from wsn_tracking.evaluation.consensus_raw import track_raw
 from wsn_tracking.evaluation.consensus_runs import mean_nees, mode_accuracy, rmse, sample, some, traffic
-from wsn_tracking.evaluation.consensus_study import chebyshev_at_its_guard
+from wsn_tracking.evaluation.consensus_study import at, chebyshev_at_its_guard
 from wsn_tracking.filters.belief import Belief
 from wsn_tracking.fusion import consensus
 from wsn_tracking.fusion.weights import contraction, metropolis
-from wsn_tracking.models.graph import adjacency, component_sizes, degrees, diameter
+from wsn_tracking.models.graph import adjacency, component_sizes, degrees, diameter, is_connected
 from wsn_tracking.simulation import b_field
 from wsn_tracking.simulation.b_field import FieldConfig
 from wsn_tracking.trackers import consensus as tracker
@@ -152,13 +152,16 @@ def test_a_flood_is_consistent_at_every_hop_count(track, hops):
 
 
 def test_in_a_network_that_falls_apart_only_the_live_count_is_consistent(worlds, track, monkeypatch):
+    """In components of five nodes or more: of fewer, a Gaussian may take the wrong side of what it ranges to."""
     small = replace(CM, rounds=100, radius=50.0)
-    assert np.any(component_sizes(adjacency(worlds.positions, 50.0)) < 50)
-    live = track(small)
-    assert mean_nees(live) <= 5.0
+    size = component_sizes(adjacency(worlds.positions, 50.0))
+    several = (size >= 5) & (size < 50)
+    assert np.mean(several) > 0.4
+    live = mean_nees(at(track(small), several))
+    assert 3.5 <= live <= 5.0
     everybody = consensus.SCHEMES['cm']._replace(finish=lambda prior, average, before, after: prior + 50.0 * average)
     monkeypatch.setattr(tracker, 'SCHEMES', {**consensus.SCHEMES, 'cm': everybody})
-    assert mean_nees(runs_of.track(small, worlds)) >= 2.0 * mean_nees(live)
+    assert mean_nees(at(runs_of.track(small, worlds), several)) >= 2.0 * live
 
 
 def test_a_node_east_of_the_target_stays_consistent(worlds):
@@ -229,11 +232,14 @@ def test_chebyshev_under_loss_is_as_good_as_plain_rounds(worlds, track):
 
 @pytest.mark.parametrize('scheme', ['cm', 'icf', 'flood'])
 def test_the_survivors_of_a_death_go_on(worlds, track, scheme):
+    """In the fields that the death does not part: where it does, who is cut off knows less, as it must."""
     config, alive = ConsensusConfig(scheme=scheme), np.ones((50, 50), dtype=bool)
     alive[25:, 0] = False
     scores = runs_of.track(config, worlds, alive)
     assert np.all(np.isnan(scores.squares[:, 25:, 0]))
-    survivors, before = (np.sqrt(np.mean(s.squares[:, 25:, 1:])) for s in (scores, track(config)))
+    held = is_connected(adjacency(worlds.positions[:, 1:], config.radius))
+    assert np.mean(held) > 0.6
+    survivors, before = (np.sqrt(np.mean(s.squares[held, 25:, 1:])) for s in (scores, track(config)))
     assert survivors <= 1.1 * before
 
 

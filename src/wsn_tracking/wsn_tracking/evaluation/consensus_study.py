@@ -132,11 +132,20 @@ def links(worlds: Worlds) -> Table:
         table.append(_row(f'{scheme}, the same runs without a death', whole, {}))
         cut = replace(base, link=LinkConfig(cut_at=175.0, cut_from=15, cut_until=30))
         table.append(_row(f'{scheme}, two halves from epoch 15 to 30', runs_of.track(cut, worlds), {}))
-    small = replace(ConsensusConfig(scheme='cm', rounds=100), radius=50.0)
-    apart = runs_of.track(small, worlds)
-    table.append(_row('cm, L = 100, radius 50 m: falls apart', apart, {}))
-    many = component_sizes(adjacency(worlds.positions, 50.0)) >= 4
-    table.append(_row('the same, nodes that hear three others or more, in however many hops', _at(apart, many), {}))
+    return table + pieces(worlds)
+
+
+def pieces(worlds: Worlds) -> Table:
+    """A radius of 50 m, which connects no field: by how many nodes there are in a component; cm, L = 100."""
+    small = ConsensusConfig(scheme='cm', rounds=100, radius=50.0)
+    apart, size = runs_of.track(small, worlds), component_sizes(adjacency(worlds.positions, small.radius))
+    table = [_row('cm, L = 100, radius 50 m: falls apart', apart, {})]
+    for name, least, most in (('alone', 1, 1), ('of two to four', 2, 4), ('of five or more', 5, np.inf)):
+        chosen = (least <= size) & (size <= most)
+        told = {'share_of_nodes': float(np.mean(chosen))}
+        table.append(
+            _row(f'the same, components {name}'.replace('components alone', 'nodes alone'), at(apart, chosen), told)
+        )
     return table
 
 
@@ -144,7 +153,7 @@ def _some(scores: Scores, runs: Mask) -> Scores:
     return Scores(*(column[runs] for column in scores))
 
 
-def _at(scores: Scores, nodes: Mask) -> Scores:
+def at(scores: Scores, nodes: Mask) -> Scores:
     """Only some nodes (runs, N) of each run."""
     return Scores(*(np.where(nodes[:, None, :], column, np.nan) for column in scores))
 
