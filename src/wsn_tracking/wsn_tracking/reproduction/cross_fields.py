@@ -11,6 +11,7 @@ from wsn_tracking import graphs
 from wsn_tracking.bags.epochs import with_epoch_ends
 from wsn_tracking.bags.importing.run import import_set
 from wsn_tracking.evaluation.score import SKIP_S
+from wsn_tracking.graphs.facts import Facts
 from wsn_tracking.real_radio.mrclam import MRCLAM
 from wsn_tracking.real_radio.sets import SETS, find, prepare
 from wsn_tracking.sensing.recording import Recording
@@ -21,20 +22,6 @@ from wsn_tracking.simulation.scenarios import scenario
 Opened = tuple[graphs.Source, Recording]
 
 
-class Facts(NamedTuple):
-    """What is known of targets and radios of a field: the same for every system."""
-
-    speed: float  # [m/s] of a target that moves
-    spectral_density: float  # [m^2/s^3] of the white acceleration that stands for its manoeuvres
-    turn: float  # [deg/s] how fast it turns
-    radius: float  # [m] of the links between nodes
-    rounds: int  # that reach from any node to any other
-    range_std: float = 0.1  # [m] of a range that tells none
-    sigma_db: float = 0.0  # of a signal strength for whoever knows no bodies; 0: as it is told
-    dof: float = 0.0  # of heavy tails; 0: none
-    person: bool = False  # who wears the node: a body shades it
-
-
 class Field(NamedTuple):
     """One recording, or several that are scored together."""
 
@@ -42,6 +29,7 @@ class Field(NamedTuple):
     what: str
     facts: Facts
     real: bool = False
+    targets: int | None = None  # so many of those that it has; None: all
 
 
 FIELDS = (
@@ -68,9 +56,10 @@ FIELDS = (
     ),
     Field(
         'mrclam',
-        'five robots that see landmarks at times, ranges, 15 nodes',
+        'one of five robots that see landmarks at times, ranges, 15 nodes',
         Facts(0.1, 0.02, 20.0, 5.5, 3, range_std=0.2),
         True,
+        targets=1,
     ),
 )
 

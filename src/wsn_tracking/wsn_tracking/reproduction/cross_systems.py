@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from functools import partial
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from wsn_tracking import graphs
 from wsn_tracking.evaluation.baselines import Fix, Memoryless, Nearest
@@ -13,11 +12,12 @@ from wsn_tracking.evaluation.consensus_runs import HEADER, ITEM, SHARE, traffic
 from wsn_tracking.evaluation.run import Run
 from wsn_tracking.evaluation.run_trackers import run_trackers
 from wsn_tracking.graphs.consensus import ConsensusPlan
-from wsn_tracking.graphs.plans import configuration_of
+from wsn_tracking.graphs.facts import Facts, told
+from wsn_tracking.graphs.plans import configuration_of, is_made_for
 from wsn_tracking.node_parameters.consensus import ConsensusNodeConfig
 from wsn_tracking.offline import run_plan
 from wsn_tracking.parameters import Values, build
-from wsn_tracking.reproduction.cross_fields import Facts, Opened, without_bodies
+from wsn_tracking.reproduction.cross_fields import Opened, without_bodies
 from wsn_tracking.sensing.values import Range, RangeBearing, Rssi
 
 
@@ -42,54 +42,6 @@ class Contender(NamedTuple):
     name: str
     what: str
     follow: Callable[[Opened, Facts, int, int], Outcome]  # recording, facts, target, seed
-
-
-def told(system: str, source: graphs.Source, facts: Facts) -> Values:
-    """The parameters of a system that follow from the facts alone."""
-    S, period = facts.spectral_density, float(source.metadata['period'])
-    x_min, y_min, x_max, y_max = source.area
-    if system == 'random_q':
-        return {
-            'input': source.entry_level,
-            'noise.kind': 'acceleration',
-            'noise.spectral_density': S,
-            'update.range_std': facts.range_std,
-            'start.speed': facts.speed,
-            'robust.dof': facts.dof,
-        }
-    if system == 'consensus':
-        return {
-            'rounds': facts.rounds,
-            'radius': facts.radius,
-            'spectral_density': S,
-            'arrival.r_max': math.hypot(x_max - x_min, y_max - y_min),
-            'arrival.repair_rate': 0.9,
-            'observation.range_std': facts.range_std,
-            'prior.mean': [0.5 * (x_min + x_max), 0.5 * (y_min + y_max), 0.0, 0.0],
-            'prior.std': [0.3 * (x_max - x_min), 0.3 * (y_max - y_min), facts.speed, facts.speed],
-        }
-    if system == 'human':
-        walks = {'motion.slowest': 0.5 * facts.speed, 'motion.fastest': 1.5 * facts.speed}
-        noise = {'motion.speed_noise': 0.25 * facts.speed, 'motion.position_noise': 0.1 * facts.speed}
-        body = {} if facts.person else {'signal.kind': 'single', 'signal.least_distance': 0.01}
-        return {**walks, **noise, **body, 'signal.dof': facts.dof}
-    if system == 'hybrid':
-        return {
-            'period': period,
-            'range_std': facts.range_std,
-            'motion.spectral_density': S,
-            'models.spectral_density': S,
-            'start.window': max(0.5, 3.0 * period),
-            'start.velocity_std': facts.speed,
-            'robust.dof': facts.dof,
-        }
-    return {
-        'turn.acceleration_std': math.sqrt(S / period),
-        'turn.turn_std': facts.turn,
-        'update.range_std': facts.range_std,
-        'start.speed': facts.speed,
-        'start.turn': facts.turn,
-    }
 
 
 def measured(opened: Opened, target: int) -> int:
@@ -121,8 +73,8 @@ def plan_of(system: str, opened: Opened, facts: Facts, target: int, more: Values
     """
     source, recording = opened
     chosen = configuration_of(system, source)
-    made = chosen != system or (own and source.metadata.get('configuration') == system)
-    settings = {**({} if made else told(system, source, facts)), **more}
+    made = chosen != system or (own and is_made_for(chosen, system, source))
+    settings = {**({} if made else told(system, source, recording.anchors, facts)), **more}
     (plan,) = graphs.plans_of(source, recording.anchors, system, chosen, settings, target)
     return plan
 
@@ -149,10 +101,21 @@ def consensus(opened: Opened, facts: Facts, target: int, seed: int) -> Outcome:
 
 
 def single(system: str, more: Values, opened: Opened, facts: Facts, target: int, seed: int) -> Outcome:
-    """C, D or E: one tracker that is told everything."""
-    given = opened if system == 'human' else bodiless(opened, facts)
-    plan = plan_of(system, given, facts, target, {**more, **({'seed': seed} if system == 'human' else {})})
-    return Outcome(run_plan(plan, given[1]), tuple(plan.outputs)[:1], to_a_centre(opened, target))
+    """D or E: one tracker that is told everything; `seed` draws nothing."""
+    opened = bodiless(opened, facts)
+    plan = plan_of(system, opened, facts, target, more)
+    return Outcome(run_plan(plan, opened[1]), tuple(plan.outputs)[:1], to_a_centre(opened, target))
+
+
+def human(profile: str, opened: Opened, facts: Facts, target: int, seed: int) -> Outcome:
+    """C: the same with particles, which know a body."""
+    more: dict[str, Any] = {'profile': profile, 'lag': 0.0, 'seed': seed}
+    if profile != 'improved':
+        more['motion.v_max'] = 4.0 * facts.speed  # of its disc, as for the walks of its document
+    if opened[0].entry_level == 'range':
+        more['start.reset_nodes'] = 1  # where nodes range one at a time, an epoch never surprises three of them
+    plan = plan_of('human', opened, facts, target, more)
+    return Outcome(run_plan(plan, opened[1]), ('human',), to_a_centre(opened, target))
 
 
 def centre(opened: Opened, facts: Facts, target: int, seed: int) -> Outcome:
@@ -175,13 +138,12 @@ def bodiless(opened: Opened, facts: Facts) -> Opened:
     return source, without_bodies(recording, facts.sigma_db) if facts.sigma_db else recording
 
 
-PAPER_C: Values = {'profile': 'paper_max', 'lag': 0.0}
 CONTENDERS = (
     Contender('A', "the document's: three random-q cubature filters, fused by CI", random_q),
     Contender('centre', 'one iterated cubature filter that is told everything: what is better than A', centre),
     Contender('B', 'consensus by flooding, a filter in every node', consensus),
-    Contender('C', 'particle filter, improved', partial(single, 'human', {'lag': 0.0})),
-    Contender('C, document', "the document's: two curves, steps within a disc", partial(single, 'human', PAPER_C)),
+    Contender('C', 'particle filter, improved', partial(human, 'improved')),
+    Contender('C, document', "the document's: two curves, steps within a disc", partial(human, 'paper_max')),
     Contender('D', "the document's: least squares and EKF", partial(single, 'hybrid', {'form': 'inflate'})),
     Contender('D, two models', 'two motion models at once', partial(single, 'hybrid', {'form': 'imm'})),
     Contender('E', "the document's: cubature filter of turns", partial(single, 'loss_tolerant', {})),
