@@ -16,7 +16,7 @@ from wsn_tracking.bags.estimates import differences, read_estimates
 from wsn_tracking.bags.save import save
 from wsn_tracking.evaluation.report_json import to_json
 from wsn_tracking.evaluation.run import summarise
-from wsn_tracking.nodes import convert, qos
+from wsn_tracking.nodes import convert, convert_human, qos
 from wsn_tracking.offline import offline
 from wsn_tracking.sensing.recording import of_target
 from wsn_tracking.sensing.values import EpochEnd, Range, Request
@@ -129,7 +129,7 @@ def test_targets_come_go_and_are_confused_without_disturbing_another_track():
     assert sum(int(n) for name, n in counters.items() if name.startswith('dropped.')) >= len(confused)
 
 
-def test_particles_are_shown_to_who_looks(tmp_path):
+def test_particles_and_what_they_say_are_shown_to_who_looks(tmp_path):
     bag = tmp_path / 'c_circle'
     save(bag, recorded('c_circle', 40))
     settings = {**PATIENT, 'particles': 200, 'particle_rate': 100.0}
@@ -140,8 +140,16 @@ def test_particles_are_shown_to_who_looks(tmp_path):
         live.started(graph, environment) as running,
     ):
         clouds = observer.collect(PoseArray, 'particles/human', qos.DISPLAY)
-        observer.until(lambda: bool(clouds), TIMEOUT, 'particles')
+        reports = observer.collect(msg.HumanReport, 'human_report', qos.MEASUREMENTS)
+        observer.until(lambda: bool(clouds) and bool(reports), TIMEOUT, 'particles and reports')
         assert running['human_tracker'].poll() is None
     assert len(clouds[0].poses) == 200
     assert clouds[0].header.frame_id == 'map'
     assert all(abs(p.position.x) <= 15.0 and abs(p.position.y) <= 15.0 for p in clouds[0].poses)
+    report = convert_human.report_value(reports[-1])
+    assert report.node_ids == (1, 2, 3, 4)
+    assert len(report.node_log_evidences) == 4
+    assert 1.0 <= report.n_eff <= report.particles == 200
+    assert 0.0 <= report.heading_known <= 1.0
+    assert not report.reset
+    assert convert_human.report_message(report) == reports[-1]

@@ -196,9 +196,36 @@ def test_state_tells_what_the_estimate_does_not():
     assert 0.0 <= state['heading_known'] <= 1.0
     assert state['speed'] <= 2.0
     assert state['reset'] is False
-    positions, weights = tracker.particles
+    positions, facing, weights = tracker.particles
+    assert facing.shape == (200,)
     assert weights.sum() == pytest.approx(1.0)
     np.testing.assert_allclose(weights @ positions, tracker.step(EPOCHS[-1])[0].mean[:2], atol=3.0)
+
+
+def test_equal_particles_are_those_of_the_estimate():
+    """As a systematic sample: within a particle's share of each weight, so that the mean is nearly that of all."""
+    tracker = HumanTracker(replace(FEW, particles=1000), ANCHORS)
+    run(tracker, EPOCHS[:10])
+    (estimate,) = tracker.step(EPOCHS[10])
+    positions, facing, weights = tracker.equal_particles()
+    assert len(facing) == 1000
+    np.testing.assert_array_equal(weights, 1e-3)
+    spread = np.sqrt(np.diag(estimate.covariance)[:2])
+    np.testing.assert_allclose(positions.mean(axis=0), estimate.mean[:2], atol=0.1 * spread.max())
+
+
+def test_a_report_tells_what_the_epoch_said():
+    tracker = HumanTracker(replace(FEW, start=StartConfig(draws=1000, reset_epochs=0)), ANCHORS)
+    assert tracker.report() is None
+    run(tracker, EPOCHS[:5])
+    report = tracker.report()
+    assert (report.stamp_ns, report.target_id, report.request_seq) == (EPOCHS[4].stamp_ns, TARGET, 4)
+    assert report.node_ids == tuple(sorted(p.node_id for p in EPOCHS[4].measurements))
+    assert len(report.node_log_evidences) == len(report.node_ids)
+    assert (report.reset, report.resets) == (False, 0)
+    other = HumanTracker(FEW, ANCHORS)  # the same evidence, computed for its resets
+    run(other, EPOCHS[:5])
+    np.testing.assert_allclose(other.report().node_log_evidences, report.node_log_evidences)
 
 
 # --- repeatable

@@ -86,7 +86,7 @@ def _track_block(
         step = human.step(state, dt, readings, generator)
         state, reset[:, k] = step.track, step.reset
         if nodes_too:
-            by_node[:, k] = human.evidence_by_node(step.prior, readings)
+            by_node[:, k] = human.evidence_by_node(step)
         if not config.lag:
             mean[:, k], covariance[:, k] = step.mean, step.covariance
             continue

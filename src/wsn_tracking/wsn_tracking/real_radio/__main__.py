@@ -1,4 +1,4 @@
-"""The figures of docs/system_a.md and docs/loss_tolerant.md on real radio.
+"""The figures of docs/system_a.md, docs/human.md and docs/loss_tolerant.md on real radio.
 
     python -m wsn_tracking.real_radio DATA -o docs/results [NAME ...]
 
@@ -19,10 +19,11 @@ from wsn_tracking.errors import TrackingError
 from wsn_tracking.evaluation import study
 from wsn_tracking.real_radio.found_again import TABLES as FOUND_AGAIN
 from wsn_tracking.real_radio.lost import TABLES as SYSTEM_E
+from wsn_tracking.real_radio.people import TABLES as SYSTEM_C
 from wsn_tracking.real_radio.sets import Sets
 from wsn_tracking.real_radio.tables import TABLES as SYSTEM_A
 
-TABLES = {**SYSTEM_A, **FOUND_AGAIN, **SYSTEM_E}
+TABLES = {**SYSTEM_A, **FOUND_AGAIN, **SYSTEM_C, **SYSTEM_E}
 COMMAND = 'python -m wsn_tracking.real_radio DATA -o docs/results'
 
 
@@ -43,7 +44,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument('data', type=Path, metavar='DATA', help='folder of the recordings (docs/datasets.md)')
     parser.add_argument('names', nargs='*', metavar='NAME', help=f'tables (default: all): {", ".join(TABLES)}')
     parser.add_argument('-o', '--output', type=Path, required=True, metavar='DIR', help='folder of the results')
-    options = parser.parse_args(arguments)
+    options = parser.parse_intermixed_args(arguments)
     try:
         print(run(options.data, options.output, options.names))
     except TrackingError as error:

@@ -104,7 +104,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument('data', type=Path, metavar='DATA', help='folder of the recordings (docs/datasets.md)')
     parser.add_argument('names', nargs='*', metavar='NAME', help='tables (default: both): labyrinth, mrclam')
     parser.add_argument('-o', '--output', type=Path, required=True, metavar='DIR', help='folder of the results')
-    options = parser.parse_args(arguments)
+    options = parser.parse_intermixed_args(arguments)
     try:
         print(run(options.data, options.output, options.names))
     except TrackingError as error:

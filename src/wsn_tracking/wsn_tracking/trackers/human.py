@@ -11,6 +11,7 @@ import numpy as np
 
 from wsn_tracking.filters.ancestry import Ancestry
 from wsn_tracking.filters.particle import moments
+from wsn_tracking.filters.resampling import systematic
 from wsn_tracking.filters.start import area_of
 from wsn_tracking.models.anchors import Anchors, Floats
 from wsn_tracking.models.draws import Stream
@@ -24,6 +25,7 @@ from wsn_tracking.trackers.estimate import Estimate, Kind
 from wsn_tracking.trackers.human_config import HumanConfig
 from wsn_tracking.trackers.human_filter import FLOOR, Area, HumanFilter, Step
 from wsn_tracking.trackers.human_readings import SignalTable
+from wsn_tracking.trackers.human_report import HumanReport
 
 HUMAN = 2**34  # the stream of draws of this tracker
 FIRST = -1  # its epoch for the particles that it begins with
@@ -33,6 +35,7 @@ class Particles(NamedTuple):
     """What there is to draw."""
 
     positions: Floats  # (P, 2) [m]
+    facing: Floats  # (P,) [rad] where the chest faces
     weights: Floats  # (P,)
 
 
@@ -64,6 +67,7 @@ class HumanTracker:
         self._begun_ns: int | None = None  # stamp of the epoch that time in `_past` is counted from
         self._heard = False
         self._last: Step | None = None
+        self._epoch: Epoch | None = None
         self._past.clear()
 
     def step(self, epoch: Epoch) -> tuple[Estimate, ...]:
@@ -77,7 +81,7 @@ class HumanTracker:
             generator, dt = self._draws.at(epoch.request_seq), 0.0
         step = self._filter.step(self._track, dt, readings, generator)
         self.counters['reset'] += int(step.reset)
-        self._track, self._last = step.track, step
+        self._track, self._last, self._epoch = step.track, step, epoch
         self._stamp_ns = max(epoch.stamp_ns, self._stamp_ns or epoch.stamp_ns)
         self._heard = self._heard or bool(ids)
         kind = Kind.LOCAL if self._heard else Kind.START
@@ -109,26 +113,49 @@ class HumanTracker:
     def particles(self) -> Particles:
         """The particles of the last estimate."""
         cloud = self._track.cloud if self._last is None else self._last.cloud
-        return Particles(np.ascontiguousarray(cloud.s[:2].T), cloud.w)
+        return Particles(np.ascontiguousarray(cloud.s[:2].T), cloud.s[PSI] + cloud.s[YAW], cloud.w)
 
-    def state(self) -> Mapping[str, Any]:
-        """What the last epoch tells beside the estimate, for diagnostics."""
-        last = self._last
-        if last is None:
-            return {'particles': self.config.particles, 'n_eff': float(self.config.particles), 'reset': False}
-        by_node = self._filter.evidence_by_node(last.prior, last.readings)
+    def equal_particles(self) -> Particles:
+        """As many of the same weight, for whoever draws without weights; no draw of the tracker is used."""
+        places, facing, w = self.particles
+        kept = systematic(w, w.size, np.random.default_rng(0))
+        return Particles(places[kept], facing[kept], np.full(w.size, 1.0 / w.size))
+
+    def report(self) -> HumanReport | None:
+        """What the last epoch tells beside its estimates; None before the first."""
+        if self._last is None or self._epoch is None:
+            return None
+        last, epoch = self._last, self._epoch
+        heard = ~np.isnan(last.readings.z)
+        by_node = self._filter.evidence_by_node(last)
         facing = last.cloud.s[PSI] + last.cloud.s[YAW]
         c, s = (float(f(facing) @ last.cloud.w) for f in (np.cos, np.sin))
-        return {
-            'particles': last.cloud.log_w.size,
-            'n_eff': float(last.n_eff),
-            'log_evidence': float(last.evidence),
-            'evidence': dict(zip(self.anchors.ids.tolist(), by_node.tolist(), strict=True)),
-            'reset': bool(last.reset),
-            'heading': math.atan2(s, c),
-            'heading_known': math.hypot(c, s),  # 0: any direction, 1: this one
-            'speed': math.hypot(*last.mean[2:].tolist()),
-        }
+        return HumanReport(
+            epoch.stamp_ns,
+            epoch.target_id,
+            epoch.request_seq,
+            heading=math.atan2(s, c),
+            heading_known=math.hypot(c, s),
+            speed=math.hypot(*last.mean[2:].tolist()),
+            particles=last.cloud.log_w.size,
+            n_eff=float(last.n_eff),
+            log_evidence=float(last.evidence),
+            node_ids=tuple(self.anchors.ids[heard].tolist()),
+            node_log_evidences=tuple(by_node[heard].tolist()),
+            reset=bool(last.reset),
+            resets=self.counters['reset'],
+        )
+
+    def state(self) -> Mapping[str, Any]:
+        """The same for diagnostics."""
+        report = self.report()
+        if report is None:
+            return {'particles': self.config.particles, 'n_eff': float(self.config.particles), 'reset': False}
+        told = report._asdict()
+        nodes = (told.pop(name) for name in ('node_ids', 'node_log_evidences'))
+        for name in ('stamp_ns', 'target_id', 'request_seq', 'resets'):  # the node and its counters tell them
+            del told[name]
+        return {**told, 'evidence': dict(zip(*nodes, strict=True))}
 
 
 def _box(area: tuple[float, ...], floor: Region | None, anchors: Anchors) -> Area:

@@ -50,6 +50,7 @@ class Step(NamedTuple):
     mean: Floats  # (..., 4) position and velocity
     covariance: Floats  # (..., 4, 4)
     evidence: Floats  # (...) log p(z_t | z_1:t-1) [dB^-N]
+    by_node: Floats | None  # (..., N) the same of each node, where it was needed
     n_eff: Floats  # (...)
     reset: Mask  # (...) whether the particles were drawn anew
 
@@ -111,11 +112,13 @@ class HumanFilter:
         after = self._next(cloud, w, n_eff, generator)
         following = Track(after[0], track.started | any_heard, np.where(anew, 0, strikes), after[1], V)
         reset = anew & track.started
-        return Step(following, prior, told, cloud, parents, mean, covariance, evidence, n_eff, reset)
+        return Step(following, prior, told, cloud, parents, mean, covariance, evidence, scored.by_node, n_eff, reset)
 
-    def evidence_by_node(self, prior: Cloud, readings: Readings) -> Floats:
+    def evidence_by_node(self, step: Step) -> Floats:
         """log p(z_i | z_1:t-1) (..., N) of each node; 0 where nothing was heard."""
-        by_node = self.score(prior.s, readings, prior.w).by_node
+        if step.by_node is not None:
+            return step.by_node
+        by_node = self.score(step.prior.s, step.readings, step.prior.w).by_node
         assert by_node is not None
         return by_node
 
