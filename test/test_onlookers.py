@@ -12,6 +12,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from nav_msgs.msg import Path
 from visualization_msgs.msg import Marker, MarkerArray
 from wsn_tracking_msgs.msg import TargetEstimate, TriggerReport
 
@@ -23,7 +24,10 @@ from wsn_tracking.bags.read import read
 from wsn_tracking.evaluation.ellipses import CHI2_95
 from wsn_tracking.evaluation.node_states import LOOKS, SENT, rgb
 from wsn_tracking.evaluation.plot_style import COLOURS
+from wsn_tracking.evaluation.scene import Scene
 from wsn_tracking.nodes import convert, markers, qos
+from wsn_tracking.nodes.paths import places_of
+from wsn_tracking.trackers.estimate import Estimate, Kind
 
 TIMEOUT = 30.0  # [s]
 RATE = 25.0
@@ -86,7 +90,10 @@ def seen(tmp_path_factory):
                 offered = observer.node.get_publishers_info_by_topic(name)
                 topics[name] = SimpleNamespace(kinds=kinds, offers=[one.qos_profile for one in offered])
         late = observer.collect(MarkerArray, 'anchor_markers', qos.LATCHED_LAST)
-        observer.until(lambda: late, TIMEOUT, 'the anchors, by a subscriber that came late')
+        paths = {
+            name: observer.collect(Path, f'path/{name}', qos.LATCHED_LAST) for name in ('fused_1', 'truth_target_1')
+        }
+        observer.until(lambda: late and all(paths.values()), TIMEOUT, 'anchors and paths, by who came late')
         onlookers = {'watch': watch, **first}
         for process in onlookers.values():
             process.send_signal(signal.SIGINT)
@@ -96,6 +103,7 @@ def seen(tmp_path_factory):
         png=png,
         arrays=arrays,
         anchors=late[-1],
+        paths=paths,
         estimates={stamp_ns(e): e for e in estimates},
         reports={stamp_ns(r): r for r in reports},
         topics=topics,
@@ -189,6 +197,38 @@ def test_a_track_ends_at_the_estimate_and_is_bounded(seen):
     np.testing.assert_allclose(planar(line.points)[-1], estimate.mean[:2])
     place = named['fused_1/position'].pose.position
     np.testing.assert_allclose((place.x, place.y), estimate.mean[:2])
+
+
+def test_a_path_is_the_track_with_stamps(seen):
+    """nav_msgs/Path, latched, for RViz as it comes and for tools that know no markers."""
+    path, truth = seen.paths['fused_1'][-1], seen.paths['truth_target_1'][-1]
+    assert path.header.frame_id == truth.header.frame_id == 'map'
+    assert 2 <= len(path.poses) <= TRACK
+    stamps = [stamp_ns(pose) for pose in path.poses]
+    assert stamps == sorted(stamps)
+    assert stamps[-1] == stamp_ns(path)
+    for pose in path.poses:
+        if stamp_ns(pose) in seen.estimates:
+            assert [pose.pose.position.x, pose.pose.position.y] == list(seen.estimates[stamp_ns(pose)].mean[:2])
+    assert len(truth.poses) >= 2
+
+
+def test_every_target_has_a_path_of_where_it_was_found():
+    """A target that is still looked for has none, nor has the part before it was found."""
+    scene = Scene(10)
+    for target in (1, 2, 3):
+        for k in range(4):
+            kind = Kind.START if k < target else Kind.LOCAL
+            mean = np.array([target, k, 0.0, 0.0])
+            scene.add_estimate(f'hybrid_target_{target}', Estimate(k, target, k, 'x', mean, np.eye(4), kind=kind))
+    scene.add_truth(7, 5, np.array([1.0, 2.0]))
+    told = {topic: list(places) for topic, places in places_of(scene)}
+    assert told == {
+        'path/hybrid_target_1': [(k, 1.0, float(k)) for k in (1, 2, 3)],
+        'path/hybrid_target_2': [(k, 2.0, float(k)) for k in (2, 3)],
+        'path/hybrid_target_3': [(3, 3.0, 3.0)],
+        'path/truth_target_7': [(5, 1.0, 2.0)],
+    }
 
 
 def test_nodes_are_coloured_by_what_they_did_in_the_epoch(seen):

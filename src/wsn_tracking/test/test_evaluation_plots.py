@@ -90,6 +90,31 @@ def test_map_has_equal_axes_units_and_a_legend_of_every_output(figures, anchors)
     assert not legend.overlaps(axes.get_window_extent())
 
 
+def test_of_several_targets_colour_is_time_and_what_is_not_found_yet_is_not_drawn(figures, anchors):
+    """The same colour, the same instant, whoever it was; a second output of a target has a colour of its own."""
+    truth, estimates = noisy_track()
+    tracks = {}
+    for target, late in ((1, 0), (2, 20)):
+        kinds = [Kind.START] * late + [Kind.LOCAL] * (len(estimates) - late)
+        tracks[f'hybrid_target_{target}'] = [
+            e._replace(target_id=target, kind=k) for e, k in zip(estimates, kinds, strict=True)
+        ]
+    tracks['other'] = [e._replace(target_id=2) for e in estimates]
+    truths = {target: truth._replace(target_id=target) for target in (1, 2)}
+    plot_map.plot_map('map.png', anchors, truths, tracks, AREA)
+    axes, bar = figures[0].axes
+    assert bar.get_ylabel() == 'time [s]'
+    (timed,) = axes.collections
+    first = min(e.stamp_ns for e in estimates)
+    seconds = [(e.stamp_ns - first) * 1e-9 for e in estimates[1:]]
+    np.testing.assert_allclose(timed.get_array(), [*seconds, *seconds])
+    ends = np.array([segment[-1] for segment in timed.get_segments() if len(segment) == 2])
+    np.testing.assert_allclose(ends[: len(seconds)], [e.mean[:2] for e in estimates[1:]])
+    assert len(ends) == 2 * len(seconds) - 20
+    told = [text.get_text() for text in figures[0].legends[0].get_texts()]
+    assert told[:5] == ['truth', 'start', 'hybrid_target_1, at the end', 'hybrid_target_2, at the end', 'other']
+
+
 def test_map_keeps_the_room_in_view_when_a_track_is_lost(figures, anchors):
     truth = line_truth(10, speed=(0.1, 0.1))
     lost = track(truth, np.full((10, 2), 1e4), np.eye(2))

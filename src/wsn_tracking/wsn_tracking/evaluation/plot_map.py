@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from matplotlib.lines import Line2D
 
 ELLIPSES = 14  # along a track: more would hide it
+PALE = '#c4c4c4'
 MOST_IDS = 60  # more numbers than this cover each other
 Area = tuple[float, float, float, float]  # x_min, y_min, x_max, y_max [m]
 
@@ -38,7 +39,8 @@ def plot_map(
 ) -> None:
     """Draw the anchors, the truth, every output's track and the 95 % ellipses of one output to a PNG.
 
-    Where several targets have a truth, the colour of their ways tells the time: who was where at once.
+    Of several targets the colour of a track tells the time: who was where at once; of each one output is drawn so, and
+    none before its target was found.
     ellipses_of: that output; by default the first fused one, else the first, whose covariance is known.
     """
     if ellipses_of is not None and ellipses_of not in estimates:
@@ -55,17 +57,22 @@ def plot_map(
     if area is not None:
         corners = np.asarray(area)[np.array([[0, 1], [2, 1], [2, 3], [0, 3], [0, 1]])]
         axes.plot(*corners.T, color='#b0b0b0', linewidth=1.0, zorder=1)
-    if len(truths) == 1:
-        handles += axes.plot(*_way(*truths.values()).T, color=style.INK, linewidth=2.2, zorder=3, label='truth')
-    elif truths:
-        _draw_by_time(figure, axes, truths.values())
+    timed = _timed(estimates)
+    wide = {'linewidth': 2.2, 'color': style.INK} if not timed else {'linewidth': 4.5, 'color': PALE}
+    for number, truth in enumerate(truths.values()):
+        handles += axes.plot(*_way(truth).T, zorder=3, label='truth', **wide)[: number == 0]
     starts = np.array([_way(truth)[_recorded(truth)][0] for truth in truths.values() if _recorded(truth).any()])
     if starts.size:
         handles += axes.plot(*starts.T, 'o', color='white', mec=style.INK, zorder=6, label='start')
     for name, pen in pens.items():
-        track = np.array([e.mean[:2] for e in estimates[name]], dtype=np.float64).reshape(-1, 2)
-        weight = {'linewidth': 1.8, 'zorder': 5} if name == chosen else {'linewidth': 0.9, 'alpha': 0.6}
-        handles += axes.plot(*track.T, label=name, **{'zorder': 4, **weight, **pen._asdict()})
+        track = _track(estimates[name])
+        if name in timed:
+            handles += axes.plot(*track[-1:].T, 'o', color=pen.color, mec='white', zorder=6, label=f'{name}, at the end')
+        else:
+            weight = {'linewidth': 1.8, 'zorder': 5} if name == chosen else {'linewidth': 0.9, 'alpha': 0.6}
+            handles += axes.plot(*track.T, label=name, **{'zorder': 4, **weight, **pen._asdict()})
+    if timed:
+        _draw_by_time(figure, axes, [estimates[name] for name in timed if name in pens])
     if chosen is not None:
         color = pens[chosen].color if chosen in pens else style.MUTED
         label = f'95 % of {chosen}'
@@ -78,18 +85,33 @@ def plot_map(
     style.save(figure, path)
 
 
-def _draw_by_time(figure: Figure, axes: Axes, truths: Iterable[Truth]) -> None:
-    """The ways of several targets, coloured by the time since the first sample of all."""
+def _timed(estimates: Mapping[str, Sequence[Estimate]]) -> tuple[str, ...]:
+    """The first output of each of several targets; of one target none."""
+    first: dict[int, str] = {}
+    for name, track in estimates.items():
+        if track:
+            first.setdefault(track[0].target_id, name)
+    return tuple(first.values()) if len(first) > 1 else ()
+
+
+def _draw_by_time(figure: Figure, axes: Axes, tracks: Sequence[Sequence[Estimate]]) -> None:
+    """Tracks coloured by the time since the first epoch of all."""
     from matplotlib.collections import LineCollection
 
-    ways = [_way(truth) for truth in truths]
-    stamps = [truth.stamps_ns for truth in truths]
-    first = min(int(times.min()) for times in stamps if times.size)
+    ways = [_track(track) for track in tracks]
+    stamps = [np.array([e.stamp_ns for e in track]) for track in tracks]
+    first = min(int(times.min()) for times in stamps)
     segments = np.concatenate([np.stack([way[:-1], way[1:]], axis=1) for way in ways])
     seconds = np.concatenate([(times[1:] - first) * 1e-9 for times in stamps])
-    lines = LineCollection([*segments], array=seconds, cmap='viridis', linewidth=2.2, zorder=3)
+    lines = LineCollection([*segments], array=seconds, cmap='viridis', linewidth=1.6, zorder=5)
     axes.add_collection(lines, autolim=False)
-    figure.colorbar(lines, ax=axes, label='truth at time [s]', shrink=0.7)
+    figure.colorbar(lines, ax=axes, label='time [s]', shrink=0.7)
+
+
+def _track(estimates: Sequence[Estimate]) -> Floats:
+    """Positions (K, 2) [m]; NaN while the target is still looked for."""
+    places = [e.mean[:2] if e.kind != Kind.START else (np.nan, np.nan) for e in estimates]
+    return np.array(places, dtype=np.float64).reshape(-1, 2)
 
 
 def _way(truth: Truth) -> Floats:

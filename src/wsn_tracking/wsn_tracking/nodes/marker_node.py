@@ -13,6 +13,7 @@ from wsn_tracking.node_parameters.listeners import MarkerConfig
 from wsn_tracking.nodes import markers, qos
 from wsn_tracking.nodes.base import TrackingNode, run
 from wsn_tracking.nodes.health import OK, Health
+from wsn_tracking.nodes.paths import Paths
 from wsn_tracking.nodes.scenery import Scenery
 
 
@@ -30,6 +31,7 @@ class MarkerNode(TrackingNode[MarkerConfig]):
         self._arrays = 0
         self._fixed = self.create_publisher(MarkerArray, 'anchor_markers', qos.LATCHED_LAST)
         self._moving = self.create_publisher(MarkerArray, 'markers', qos.DISPLAY)
+        self._paths = Paths(self, self.config.target_height)
         self._frames: Any = None
         self.create_timer(1.0 / self.config.redraw_rate, self._draw)
 
@@ -50,6 +52,7 @@ class MarkerNode(TrackingNode[MarkerConfig]):
         if array.markers:
             self._moving.publish(array)
             self._arrays += 1
+        self._paths.publish(self._scene)
 
     def _publish_frames(self, anchors: Anchors) -> None:
         """Tell of the frame map, where transforms are installed: RViz draws in no frame that it does not know."""
