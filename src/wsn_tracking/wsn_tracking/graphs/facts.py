@@ -18,6 +18,7 @@ from wsn_tracking.models.graph import adjacency, diameter, is_connected
 from wsn_tracking.parameters import Values
 
 CROSSED_S = 40.0  # the time in which a target goes from one corner to the other
+TAILS = 4.0  # degrees of freedom: fading has heavy tails, and where it has none, they cost nearly nothing
 STEADY_S = 3.0  # S = speed^2 / that: so long it keeps its velocity
 SPARE = 1.2  # of the radius that just connects all nodes
 Box = tuple[float, float, float, float]
@@ -43,7 +44,8 @@ def facts_of(source: Source, anchors: Anchors) -> Facts:
     speed = max(math.hypot(x_max - x_min, y_max - y_min), 1.0) / CROSSED_S
     radius = SPARE * connecting_radius(anchors.positions)
     rounds = max(diameter(adjacency(anchors.positions, radius)), 1)
-    return Facts(speed, speed**2 / STEADY_S, 10.0, radius, rounds)
+    dof = TAILS if source.entry_level == 'rssi' else 0.0
+    return Facts(speed, speed**2 / STEADY_S, 10.0, radius, rounds, dof=dof)
 
 
 def box_of(source: Source, anchors: Anchors) -> Box:
