@@ -67,7 +67,9 @@ def plot_map(
     for name, pen in pens.items():
         track = _track(estimates[name])
         if name in timed:
-            handles += axes.plot(*track[-1:].T, 'o', color=pen.color, mec='white', zorder=6, label=f'{name}, at the end')
+            handles += axes.plot(
+                *track[-1:].T, 'o', color=pen.color, mec='white', zorder=6, label=f'{name}, at the end'
+            )
         else:
             weight = {'linewidth': 1.8, 'zorder': 5} if name == chosen else {'linewidth': 0.9, 'alpha': 0.6}
             handles += axes.plot(*track.T, label=name, **{'zorder': 4, **weight, **pen._asdict()})
