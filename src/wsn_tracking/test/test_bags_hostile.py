@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import functools
+import os
 import tempfile
+import threading
 from pathlib import Path
 
 import pytest
@@ -12,6 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from mcap.writer import CompressionType, Writer
 
+from wsn_tracking import files
 from wsn_tracking.bags import write as writing
 from wsn_tracking.bags.epochs import with_epoch_ends
 from wsn_tracking.bags.info import describe
@@ -105,3 +108,19 @@ def test_a_chunk_that_claims_the_world_is_damaged(size):
         assert back.dropped['damaged'] == 1
     else:
         assert 'damaged 1' in str(back)
+
+
+def test_what_never_ends_is_refused(monkeypatch):
+    monkeypatch.setattr(files, 'ENDLESS', 1000)
+    with pytest.raises(TrackingError, match='/dev/zero does not end: a file is expected'):
+        read(Path('/dev/zero'))
+
+
+def test_a_pipe_is_read_to_its_end(tmp_path):
+    """Such as a shell's <(...)."""
+    pipe = tmp_path / 'pipe'
+    os.mkfifo(pipe)
+    writer = threading.Thread(target=pipe.write_bytes, args=(b'all of it',))
+    writer.start()
+    assert files.read_whole(pipe) == b'all of it'
+    writer.join()

@@ -123,6 +123,7 @@ def test_a_start_lies_within_corners():
         ((1.0, 0.0, 0.0, 1.0), 'min < max'),
         ((0.0, 0.0, 1.0, 1.0, 2.0, 2.0), 'no area'),
         ((0.0, 0.0, 1.0, 1.0, 2.0, float('nan')), 'finite'),
+        ((0.0, 0.0, 1e308, 1e308), r'at most 1e\+06'),
         ((0.0,) * 7, 'three or more corners'),
     ],
 )

@@ -106,3 +106,12 @@ def test_the_area_round_the_nodes_has_room_beside_them():
     np.testing.assert_allclose(area_of(LOOP.anchors), (-1.0, -1.0, 4.6, 3.4))
     far = make_anchors([1, 2], [[0.0, 0.0], [40.0, 10.0]])
     np.testing.assert_allclose(area_of(far), (-10.0, -10.0, 50.0, 20.0))
+
+
+@pytest.mark.parametrize('area', [(-1.0, 0.5, 4.0, 0.5 + 1e-7), (0.5, -1.0, 0.5 + 1e-7, 4.0), (0.0, 0.0, 1e6, 1e-3)])
+def test_an_area_without_width_is_a_line(area):
+    """Its middle line: nothing is looked for beside it, and what is found lies on it."""
+    start = likelihood_start([Sight(0.0, H(np.array([0.5, 0.5, 0.0, 0.0])), H, NOISE)], area, 0.1)
+    assert np.all(np.isfinite(start.chol_P))
+    assert area[0] <= start.m[0] <= area[2]
+    assert area[1] <= start.m[1] <= area[3]

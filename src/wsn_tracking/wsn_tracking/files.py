@@ -3,9 +3,23 @@
 from __future__ import annotations
 
 import os
+import stat
 from pathlib import Path
 
 from wsn_tracking.errors import TrackingError
+
+ENDLESS = 2**26  # [bytes] of what is no regular file: beyond, nobody waits for the end of it
+
+
+def read_whole(path: str | Path) -> bytes:
+    """The content of a file or a pipe. OSError where it cannot be read, TrackingError where it does not end."""
+    with Path(path).open('rb') as stream:
+        if stat.S_ISREG(os.fstat(stream.fileno()).st_mode):
+            return stream.read()
+        content = stream.read(ENDLESS + 1)
+    if len(content) > ENDLESS:
+        raise TrackingError(f'{path} does not end: a file is expected')
+    return content
 
 
 def write_whole(path: str | Path, content: bytes) -> None:

@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 from wsn_tracking.bags.chunks import HEAD, SHORTEST, beginning, content, indexed
 from wsn_tracking.bags.slices import Slices, gather, joined
 from wsn_tracking.errors import TrackingError
+from wsn_tracking.files import read_whole
 
 MAGIC = b'\x89MCAP0\r\n'
 _RECORD = struct.Struct('<BQ')
@@ -84,7 +85,7 @@ class _Found:
 def scan(path: Path) -> RawLog:
     """Read one file. Raises TrackingError where it cannot be read at all or is no MCAP file."""
     try:
-        data = path.read_bytes()
+        data = read_whole(path)
     except OSError as error:
         raise TrackingError(f'{path} cannot be read: {error.strerror}') from error
     if not data:

@@ -12,6 +12,7 @@ from wsn_tracking.models.anchors import Anchors, Floats
 from wsn_tracking.models.measurement import Function
 from wsn_tracking.models.region import region_of
 
+LONGEST = 1024  # cells along one side: of a corridor without end they are longer than it is wide
 TINY = 1e-300  # least likelihood: an epoch may contradict another, it rules nothing out
 Area = tuple[float, ...]  # as the parameter `area`: a rectangle or corners
 
@@ -46,9 +47,8 @@ def likelihood_start(sights: Sequence[Sight], area: Area, speed_std: float, cell
     """
     floor = region_of(area)
     x_min, y_min, x_max, y_max = floor.box
-    cell = np.sqrt((x_max - x_min) * (y_max - y_min) / cells)
-    x = np.arange(x_min + cell / 2.0, x_max, cell)
-    y = np.arange(y_min + cell / 2.0, y_max, cell)
+    cell = float(max(np.sqrt((x_max - x_min) * (y_max - y_min) / cells), max(x_max - x_min, y_max - y_min) / LONGEST))
+    x, y = _centres(x_min, x_max, cell), _centres(y_min, y_max, cell)
     grid = np.stack(np.meshgrid(x, y, indexing='ij'), axis=-1).reshape(-1, 2)
     log_p = np.zeros((x.size, y.size))
     for sight in sights:
@@ -64,6 +64,11 @@ def likelihood_start(sights: Sequence[Sight], area: Area, speed_std: float, cell
     chol_P[:2, :2] = np.linalg.cholesky(P)
     chol_P[2:, 2:] = speed_std * np.eye(2)
     return Belief(np.concatenate([mean, np.zeros(2)]), chol_P)
+
+
+def _centres(low: float, high: float, cell: float) -> Floats:
+    """Middles of the cells between two ends; one cell where there is room for none."""
+    return np.arange(low + cell / 2.0, high, cell) if cell / 2.0 < high - low else np.array([0.5 * (low + high)])
 
 
 def _log_likelihood(sight: Sight, grid: Floats) -> Floats:

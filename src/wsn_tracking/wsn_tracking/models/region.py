@@ -18,6 +18,7 @@ from wsn_tracking.errors import TrackingError
 from wsn_tracking.models.anchors import Floats, Mask
 
 INWARD = 1e-6  # [m] what is brought back lies this far inside, so that it counts as inside
+FURTHEST = 1e6  # [m] beyond, no sensor network reaches and areas lose their digits
 MAX_PAIRS = 2**20  # of points and edges that are looked at in one go
 
 
@@ -67,8 +68,10 @@ def region(rings: Sequence[ArrayLike]) -> Region:
     starts, ends = [], []
     for number, ring in enumerate(rings, 1):
         corners = np.asarray(ring, dtype=np.float64)
-        if corners.ndim != 2 or corners.shape[-1] != 2 or not np.all(np.isfinite(corners)):
-            raise TrackingError(f'ring {number} of a region: expected corners x, y [m] that are finite numbers')
+        if corners.ndim != 2 or corners.shape[-1] != 2 or not np.all(np.abs(corners) <= FURTHEST):
+            raise TrackingError(
+                f'ring {number} of a region: expected corners x, y [m] that are finite numbers of at most {FURTHEST:g}'
+            )
         if corners.shape[0] > 1 and np.array_equal(corners[0], corners[-1]):
             corners = corners[:-1]
         following = np.roll(corners, -1, axis=0)
