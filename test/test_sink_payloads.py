@@ -215,6 +215,27 @@ def test_commands_set_the_trigger_on_board_and_send_nodes_to_rest(bridged):
     assert 1 not in {said.payload.node_id for said in radio.said[before:]}
 
 
+def test_beside_sensing_nodes_the_report_tells_of_the_silent_alone(bridged):
+    """They report which ranges they send; whoever takes ranges would wait for one of each signal strength listed."""
+    traffic = dataclasses.replace(QUIET, event_triggered=True, e_min=0.1, e_max=2.5)
+    bridge = bridged(changing(0, 2), traffic=traffic)
+    radio, reports = bridge.radio, bridge.taken['trigger_report']
+    bridge.until(lambda: radio.loop.finished, 'the first part')
+    assert bridge.come('trigger_report', 1)[0].sent_ids.tolist() == [1]
+    radio.do(lambda s, now: s.go_on(changing(2, 1, -61.0), now))
+    assert bridge.come('trigger_report', 2)[-1].sent_ids.tolist() == [1, 2]
+    sensing = bridge.observer.node.create_publisher(msg.TriggerReport, 'trigger_report', qos.MEASUREMENTS)
+    first = 3
+    while len(reports[-1].sent_ids):  # until the bridge knows of it
+        bridge.until(lambda: radio.loop.finished, 'the part before')
+        radio.do(lambda s, now, k=first: s.go_on(changing(k, 1, -61.0), now))
+        bridge.come('trigger_report', first)
+        first += 1
+    told = convert.report_value(reports[-1])
+    assert (told.sent_ids, told.sent_seqs, told.silent_ids, told.reasons) == ((), (), (2,), (Reason.ON_BOARD,))
+    bridge.observer.node.destroy_publisher(sensing)
+
+
 def test_what_misleads_without_any_other_sign_is_warned_of(bridged):
     """Two radios of one id; LQIs that no radio of the configured scale gives."""
     bridge = bridged(epochs(20, nodes=12), faults=('two_addresses=1',), lqi_scale='cc26x2', rate=20.0)

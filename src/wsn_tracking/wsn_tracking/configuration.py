@@ -55,6 +55,10 @@ class Configuration:
             values.update(self._sections.get(section, {}))
         return values
 
+    def but(self, node: str) -> Configuration:
+        """Without what is for the node of that name alone."""
+        return Configuration({name: v for name, v in self._sections.items() if name.rpartition('/')[2] != node})
+
     def check_sections(self, nodes: Collection[str]) -> None:
         """Raise TrackingError for a section that is of none of these nodes: it would have no effect."""
         for section in self._sections:

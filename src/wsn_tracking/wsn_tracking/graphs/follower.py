@@ -44,11 +44,12 @@ def follower(
         topics=('request', 'range', 'epoch_end'),
     )
     plan = plan_single('hybrid', source, load_configuration(configuration), settings)
+    fed_back = tuple(f'estimate/{output}' for output in plan.outputs)
     bridge = {
         'port': link,
         'period': cells.period,
         'feedback': True,
-        'feedback_topics': [f'estimate/{output}' for output in plan.outputs],
+        'feedback_topics': list(fed_back),
         'feedback_period': FEEDBACK_S,
         'anchors.ids': anchors.ids.tolist(),
         'anchors.x': anchors.positions[:, 0].tolist(),
@@ -58,7 +59,7 @@ def follower(
     graph = complete(
         source,
         [plan],
-        Process('serial_bridge_node', BRIDGE, bridge),
+        Process('serial_bridge_node', BRIDGE, bridge, takes=fed_back),
         How(live=True, settings=settings or {}),
         record={'output': str(Path(record).resolve()), 'derived': True} if record else None,
         markers=markers,

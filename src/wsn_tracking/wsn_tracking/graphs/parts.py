@@ -169,15 +169,15 @@ def complete(
         processes.append(_evaluator(source, plans, parameters, [p.name for p in processes], evaluator))
     if record is not None:
         processes.append(_recorder(source, outputs, parameters, record))
-    window = {f'estimate/{name}': outputs[name] for plan in plans for name in plan.window(how)}
+    window = {} if how.live else {f'estimate/{name}': outputs[name] for plan in plans for name in plan.window(how)}
     feed = feed._replace(
         parameters={
-            **parameters,
+            **({} if how.live else parameters),  # a sink has parameters of its own; some of the same names
             **feed.parameters,
             'expected_nodes': [process.name for process in processes],
             'window_topics': [topic if target < 0 else f'{topic}={target}' for topic, target in window.items()],
         },
-        takes=tuple(window),
+        takes=(*feed.takes, *window),
         gives=('anchors', *source.topics),
     )
     # who only looks on is neither waited for nor told whom to expect

@@ -42,7 +42,7 @@ class RandomQPlan(NamedTuple):
 
     def window(self, how: How) -> tuple[str, ...]:
         """The outputs that the feed stays close to."""
-        return () if how.live else tuple(f'fused_{values["id"]}' for values in self.estimators)
+        return tuple(f'fused_{values["id"]}' for values in self.estimators)
 
     @property
     def parameters(self) -> Values:

@@ -91,6 +91,7 @@ def plan_single(
     values: dict[str, Any] = {
         **area,
         **numbers_of(source, target_height=('target_height', 1.0), period=('period', 1.0)),
+        **_patience(source),
         **configuration.of(node),
         **configuration.of(f'{node}_node'),
         **(settings or {}),
@@ -103,3 +104,9 @@ def plan_single(
     if not config.several:
         values['target_id'] = one
     return SinglePlan(system, {**values, 'targets': list(targets)} if config.several else values, targets)
+
+
+def _patience(source: Source) -> dict[str, float]:
+    """No message counts as lost before its epoch can have ended."""
+    periods = numbers_of(source, loss_timeout=('period', 1.0))
+    return {name: max(1.0, period) for name, period in periods.items()}

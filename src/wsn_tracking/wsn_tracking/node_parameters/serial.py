@@ -4,7 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from wsn_tracking.driven_air import DrivenConfig
+from wsn_tracking.errors import TrackingError
+from wsn_tracking.models.anchors import Anchors, Floats, make_anchors
 from wsn_tracking.parameters import group, param
 from wsn_tracking.zstack.clock import ClockConfig
 from wsn_tracking.zstack.settings import LinkConfig
@@ -22,6 +26,21 @@ class AnchorsConfig:
     p1_dbm: tuple[float, ...] = param((-45.0,), 'signal strength at 1 m', 'dBm')
     n: tuple[float, ...] = param((3.0,), 'path loss exponent', '', 0.1, 10.0)
     sigma_db: tuple[float, ...] = param((1.56,), 'standard deviation of the signal strength', 'dB', 0.01, 100.0)
+
+    @property
+    def table(self) -> Anchors:
+        """The table; TrackingError where columns do not fit."""
+        n = len(self.ids)
+        columns: dict[str, Floats] = {}
+        for name in ('x', 'y', 'z', 'p1_dbm', 'n', 'sigma_db'):
+            column = getattr(self, name)
+            if len(column) not in {n, 1}:
+                raise TrackingError(
+                    f'parameter `anchors.{name}` has {len(column)} entries, `anchors.ids` {n}: expected as many, or 1'
+                )
+            columns[name] = np.broadcast_to(column, n)
+        positions = np.column_stack([columns.pop(axis) for axis in 'xyz'])
+        return make_anchors(self.ids, positions, **columns)
 
 
 @dataclass(frozen=True)

@@ -6,13 +6,11 @@ import time
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-import numpy as np
 from wsn_tracking_msgs import msg
 
 from wsn_tracking.bridging import Bridge, Rules, Value
 from wsn_tracking.errors import TrackingError
-from wsn_tracking.models.anchors import Anchors, make_anchors
-from wsn_tracking.node_parameters.serial import AnchorsConfig, SerialBridgeConfig
+from wsn_tracking.node_parameters.serial import SerialBridgeConfig
 from wsn_tracking.nodes import convert, qos
 from wsn_tracking.nodes.base import TrackingNode, run
 from wsn_tracking.nodes.health import OK, Health, link, radio, worst
@@ -55,7 +53,7 @@ class SerialBridgeNode(TrackingNode[SerialBridgeConfig]):
         self._link = self.create_publisher(msg.LinkStatus, 'link_status', qos.LATCHED_LAST)
         self._topology = self.create_publisher(msg.Topology, 'topology', qos.LATCHED_LAST)
         if config.anchors.ids:
-            table = convert.anchors_message(anchors_of(config.anchors), time.time_ns())
+            table = convert.anchors_message(config.anchors.table, time.time_ns())
             self.create_publisher(msg.Anchors, 'anchors', qos.LATCHED_LAST).publish(table)
         for topic in filter(None, config.feedback_topics if config.feedback else ()):
             self.take(msg.TargetEstimate, topic, convert.peer_value, self._feed_back, qos.ESTIMATES)
@@ -89,11 +87,17 @@ class SerialBridgeNode(TrackingNode[SerialBridgeConfig]):
         self._publish(self._bridge.due(time.monotonic_ns()))
 
     def _publish(self, values: Iterable[Value]) -> None:
-        for value in values:
+        for value in map(self._as_told, values):
             to_message: Any = OUTPUTS[type(value)][2]
             self._outputs[type(value)].publish(to_message(value))
             if isinstance(value, Request):
                 self._last_input['request'] = time.monotonic()
+
+    def _as_told(self, value: Value) -> Value:
+        """Where sensing nodes report which ranges they send, the motes' own report tells of the silent alone."""
+        if isinstance(value, TriggerReport) and self.count_publishers('trigger_report') > 1:
+            return value._replace(sent_ids=(), sent_seqs=())
+        return value
 
     # ---- down
 
@@ -169,20 +173,6 @@ def node_map(entries: Iterable[str]) -> dict[int, int]:
             raise TrackingError(f'parameter `node_map` holds {entry!r}: expected radio=node, e.g. 4660=3')
         ids[int(radio)] = int(node)
     return ids
-
-
-def anchors_of(config: AnchorsConfig) -> Anchors:
-    """The table of the parameters; TrackingError where columns do not fit."""
-    n = len(config.ids)
-    for name in ('x', 'y', 'z', 'p1_dbm', 'n', 'sigma_db'):
-        column = getattr(config, name)
-        if len(column) not in {n, 1}:
-            raise TrackingError(
-                f'parameter `anchors.{name}` has {len(column)} entries, `anchors.ids` {n}: expected as many, or 1'
-            )
-    columns = {name: np.broadcast_to(getattr(config, name), n) for name in ('x', 'y', 'z', 'p1_dbm', 'n', 'sigma_db')}
-    positions = np.column_stack([columns.pop('x'), columns.pop('y'), columns.pop('z')])
-    return make_anchors(config.ids, positions, **columns)
 
 
 def main() -> None:
