@@ -12,7 +12,7 @@ from wsn_tracking.evaluation.study_random_q import matched_runs
 from wsn_tracking.evaluation.study_triggers import NEAR, compare, triggers_of
 from wsn_tracking.models.anchors import Floats
 from wsn_tracking.reproduction.claims import BEYOND, Claim, Experiment, Figure, Plot, Samples
-from wsn_tracking.reproduction.quantities import bars, mean, ratio
+from wsn_tracking.reproduction.quantities import bars, mean, median, ratio
 from wsn_tracking.simulation.scenarios import BY_SEED, scenario
 
 HEADER, ITEM, SHARE = 8, 10, 56  # [bytes] a broadcast, a range, mean and covariance in single precision
@@ -42,7 +42,7 @@ def same_rate(name: str, seed: int, runs: int) -> Samples:
 RATES = {
     'a_loop': Experiment('a rate L', partial(same_rate, 'a_loop'), runs=50, units=12, quick=3),
     'a_circle': Experiment('a rate C', partial(same_rate, 'a_circle'), runs=50, units=12, quick=3),
-    'a_heading': Experiment('a rate H', partial(same_rate, 'a_heading'), runs=10, units=12, quick=4),
+    'a_heading': Experiment('a rate H', partial(same_rate, 'a_heading'), runs=10, units=12, quick=6),
 }
 
 
@@ -99,15 +99,15 @@ MATCHED = Experiment('a matched', matched, runs=50, units=12, quick=4)
 def best(s: Samples) -> Sequence[Figure]:
     """Distance to the particle filter, and honesty."""
     particles = s['particles: squares']
+    measured, predicted = s['ckf_measured: nees'], s['ckf_predicted: nees']
     return [
-        ratio('RMSE, IPLF / particle filter', s['iplf_predicted: squares'], particles, True, shape=(None, 1.08)),
+        ratio('RMSE, IPLF / particle filter', s['iplf_predicted: squares'], particles, True, shape=(None, 1.1)),
         ratio("RMSE, document's update / particle filter", s['ckf_measured: squares'], particles, True),
-        mean('NEES (of 2), document: noise at the measured range', s['ckf_measured: nees']),
-        mean('NEES (of 2), noise at the predicted range', s['ckf_predicted: nees'], shape=(1.7, 2.5)),
-        mean('NEES (of 2), IPLF', s['iplf_predicted: nees'], shape=(1.7, 3.0)),
-        ratio(
-            'NEES, document / predicted range', s['ckf_measured: nees'], s['ckf_predicted: nees'], shape=(1.05, None)
-        ),
+        median('NEES (of 2) of the median run, document: noise at the measured range', measured),
+        median('the same, noise at the predicted range', predicted, shape=(1.6, 2.3)),
+        median('the same, IPLF', s['iplf_predicted: nees'], shape=(1.6, 2.3)),
+        mean('NEES, document / predicted range, run by run', measured / predicted, shape=(1.1, None)),
+        mean('NEES (of 2) of all runs, noise at the predicted range', predicted),
     ]
 
 
@@ -135,12 +135,13 @@ CLAIMS = (
         'A24',
         'A',
         'matched model',
-        'Where the model is exactly true, the iterated filter is within 8 % of a particle filter that no filter can '
+        'Where the model is exactly true, the iterated filter is within 10 % of a particle filter that no filter can '
         'beat by much, and noise at the predicted range makes the covariance honest.',
         MATCHED,
         best,
         remark='Noise at the measured range is told too small for ranges that came out too short, which makes the '
-        "document's filter overconfident. `update.r=predicted` is the default here.",
+        "document's filter overconfident. `update.r=predicted` is the default here. Medians, since one run in some "
+        'hundred takes the wrong side of a node that it passes closely, and outweighs all others in a mean.',
         kind=BEYOND,
     ),
 )

@@ -145,7 +145,7 @@ def faults(seed: int, runs: int) -> Samples:
     return samples
 
 
-FAULTS = Experiment('b faults', faults, runs=10, units=12, quick=3)
+FAULTS = Experiment('b faults', faults, runs=10, units=12, quick=4)
 
 
 def links(s: Samples) -> Sequence[Figure]:

@@ -73,7 +73,7 @@ def pictures(worlds: Worlds) -> dict[str, Floats]:
     return shown
 
 
-FIELD = Experiment('b field', field, runs=10, units=20, quick=5)
+FIELD = Experiment('b field', field, runs=10, units=20, quick=7)
 
 
 def figure_1(s: Samples) -> Sequence[Figure]:

@@ -36,7 +36,7 @@ def profiles(seed: int, runs: int) -> Samples:
     return {**compared(CONFIGS, walks, seed), 'heard': np.asarray(heard)}
 
 
-PROFILES = Experiment('c profiles', profiles, runs=8, units=12, quick=2)
+PROFILES = Experiment('c profiles', profiles, runs=8, units=12, quick=3)
 
 
 def walking(s: Samples) -> Sequence[Figure]:

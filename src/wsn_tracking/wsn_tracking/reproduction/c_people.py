@@ -166,7 +166,7 @@ def noise(seed: int, runs: int) -> Samples:
     return samples
 
 
-NOISE = Experiment('c noise', noise, runs=6, units=12, quick=2)
+NOISE = Experiment('c noise', noise, runs=6, units=12, quick=3)
 
 
 def figure_6(s: Samples) -> Sequence[Figure]:
@@ -182,7 +182,7 @@ def figure_6(s: Samples) -> Sequence[Figure]:
             for n in NOISES
         ),
         *(
-            ratio(f'{ONE}: {n:g} dB / 0.5 dB', s[f'{ONE} {n:g}'], s[f'{ONE} 0.5'], True, shape=(0.75, 1.3))
+            ratio(f'{ONE}: {n:g} dB / 0.5 dB', s[f'{ONE} {n:g}'], s[f'{ONE} 0.5'], True, shape=(0.7, 1.3))
             for n in NOISES[1:]
         ),
     ]
@@ -215,7 +215,7 @@ def corridor(seed: int, runs: int) -> Samples:
 
 
 AWAY = 5.0  # [m] a walk with a larger mean error has lost its person
-CORRIDOR = Experiment('c corridor', corridor, runs=10, units=10, quick=3)
+CORRIDOR = Experiment('c corridor', corridor, runs=10, units=10, quick=4)
 
 
 def experiment(s: Samples) -> Sequence[Figure]:

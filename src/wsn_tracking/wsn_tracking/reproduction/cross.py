@@ -89,8 +89,8 @@ def name_of(field: Field) -> str:
 
 
 SIMULATED: Mapping[str, Experiment] = {
-    field.name: Experiment(name_of(field), partial(recorded, field), runs=1, units=8, quick=quick)
-    for field, quick in zip(FIELDS[:2], (3, 2), strict=True)
+    field.name: Experiment(name_of(field), partial(recorded, field), runs=1, units=units, quick=quick)
+    for field, units, quick in zip(FIELDS[:2], (8, 5), (3, 2), strict=True)
 }
 
 

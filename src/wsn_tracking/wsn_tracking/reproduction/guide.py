@@ -96,7 +96,18 @@ ADVICE = (
         'the zero model loses its track on other faults',
         ('B24',),
     ),
-    ('A person with a worn node', '`human` with profile `improved`', 'knows the body and that people pause', ('C21',)),
+    (
+        'A person with a worn node',
+        '`human` with profile `improved`',
+        'knows the body and that people pause; filters that do not lose the person',
+        ('C21', 'X2'),
+    ),
+    (
+        'One robot that most nodes hear',
+        'any of them; `loss_tolerant` takes the least time',
+        'equally accurate where all are told everything',
+        ('X1',),
+    ),
     (
         'Robots that stop and go, ranges one by one',
         '`hybrid` with `imm`',
@@ -107,7 +118,7 @@ ADVICE = (
         'A radio that loses packets',
         '`loss_tolerant` (CKF)',
         'no worse than the unscented filter, better than the extended one',
-        ('E1', 'E21'),
+        ('E1', 'E21', 'X3'),
     ),
 )
 
@@ -120,6 +131,20 @@ WORDS = {
     v.HOLDS: 'a statement of this project that holds',
     v.DOES_NOT_HOLD: 'a statement of this project that does not',
 }
+
+WHAT = (
+    (
+        'A wireless sensor network is a set of small radios at known places. From how loud, how far or in which '
+        'direction they hear a robot or a person, a filter tells where it is. Five articles say how that should be '
+        'done, and print tables, figures and numbers. Here each of these is computed anew from what the articles tell, '
+        'and set beside what they print.'
+    ),
+    (
+        'Below are first the count of verdicts, then every claim in one line, then advice on what to use when. After '
+        'that each article has its chapter: what it says, and what turned out to be better. The last chapter compares '
+        'all systems on the same recordings, simulated and, where they were at hand, real ones.'
+    ),
+)
 
 HOW = (
     (

@@ -47,7 +47,7 @@ def page(content: Json) -> str:
         for kind, title in (('document', 'What the document says'), ('beyond', 'Beyond it')):
             some = [claim for claim in claims if claim['kind'] == kind]
             parts += [f'<h3>{title}</h3>'] if some else []
-            parts += [_claim(claim, found[claim['id']]) for claim in some]
+            parts += [_claim(claim, found[claim['id']], content['commit']) for claim in some]
     parts += [_table(table) for table in content.get('tables', ())]
     return '\n'.join([*parts, '</body></html>\n'])
 
@@ -55,6 +55,11 @@ def page(content: Json) -> str:
 def _opening(content: Json, found: Mapping[str, str]) -> Iterator[str]:
     """What was done, what came out, what the words mean."""
     yield '<h1>Five documents on tracking with wireless sensor networks, computed anew</h1>'
+    yield from (f'<p>{escape(text)}</p>' for text in guide.WHAT)
+    documents = [letter for letter in guide.DOCUMENTS if any(c['document'] == letter for c in content['claims'])]
+    links = [f'<a href="#{letter}">{letter}. {escape(guide.DOCUMENTS[letter].title)}</a>' for letter in documents]
+    links += [f'<a href="#{table["id"]}">{escape(table["title"])}</a>' for table in content.get('tables', ())]
+    yield f'<p>{"<br>".join(links)}</p><h2>How to read it</h2>'
     yield from (f'<p>{escape(text)}</p>' for text in guide.HOW)
     yield (
         f'<p>Made by <code>{escape(content["command"])}</code>, seed {content["seed"]}, commit '
@@ -83,7 +88,7 @@ def _advice(found: Mapping[str, str]) -> Iterator[str]:
         yield _rows(['you have', 'take', 'because', 'rests on'], rows)
 
 
-def _claim(claim: Json, verdict: str) -> str:
+def _claim(claim: Json, verdict: str, commit: str) -> str:
     rows = [
         [
             escape(f['name']),
@@ -106,7 +111,8 @@ def _claim(claim: Json, verdict: str) -> str:
         _rows(heads, rows, numbers=(1, 2, 3)) if rows else '',
         pictures,
         f'<p>{_code(claim["remark"])}</p>' if claim['remark'] else '',
-        f'<p class="muted">{claim["runs"]} runs. <code>{escape(claim["command"])}</code></p></section>',
+        f'<p class="muted">{claim["runs"]} runs, commit {escape(commit)}. <code>{escape(claim["command"])}</code></p>',
+        '</section>',
     ]
     return '\n'.join(part for part in parts if part)
 
