@@ -63,11 +63,16 @@ class Dialogue:
         self.until(lambda: False, seconds)
 
     def until(self, condition: Callable[[], bool], seconds: float) -> bool:
-        """Pass on what comes until the condition holds; False if it did not in time."""
+        """Pass on what comes until the condition holds; False if it did not in time.
+
+        A host that was held up until then finds what came in time lying ready: it looks once more.
+        """
         end = time.monotonic() + seconds
+        is_last = False
         while not condition():
-            if time.monotonic() >= end:
+            if is_last:
                 return False
+            is_last = time.monotonic() >= end
             self.listen(end)
         return True
 
