@@ -60,7 +60,7 @@ class SerialBridgeNode(TrackingNode[SerialBridgeConfig]):
         if config.sensing_command:
             self.take(msg.SensingCommand, 'sensing_command', lambda m: m, self._command, qos.ESTIMATES)
         self.create_timer(TICK, self._end_epochs)
-        self.create_timer(1.0, self._tell)
+        self.create_timer(1.0, self._tell_link)
         if config.topology_period:
             self.create_timer(config.topology_period, self._ask_topology)
         woken = self.create_guard_condition(self._take_all)
@@ -132,7 +132,7 @@ class SerialBridgeNode(TrackingNode[SerialBridgeConfig]):
     def _ask_topology(self) -> None:
         self._session.ask(ZdoMgmtLqiReq(0, 0), ZdoMgmtLqiRsp)
 
-    def _tell(self) -> None:
+    def _tell_link(self) -> None:
         status, counters = self._session.status, self._counters()
         m = msg.LinkStatus(
             header=convert.header(time.time_ns()), port=status.device or status.port, connected=status.up
