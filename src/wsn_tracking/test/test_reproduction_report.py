@@ -31,11 +31,13 @@ def badges(text):
     return dict(shown)
 
 
-def test_the_report_shows_what_the_verdicts_of_its_json_are(found, tmp_path):
-    html, plain = write(tmp_path, found)
+def test_report_and_digest_show_what_the_verdicts_of_the_json_are(found, tmp_path):
+    html, plain, short = write(tmp_path, found)
     kept = json.loads(plain.read_text('utf-8'))
     assert badges(html.read_text('utf-8')) == verdicts(kept) == kept['verdicts']
     assert verdicts(kept)['B4'] == 'not reproducible'
+    told = re.findall(r'^\| (\w\d+) \|.*\*\*([\w ]+)\*\*', short.read_text('utf-8'), re.MULTILINE)
+    assert dict(told) == verdicts(kept)
 
 
 def test_a_changed_figure_changes_the_verdict_in_the_report(found):

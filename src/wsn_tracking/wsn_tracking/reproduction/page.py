@@ -9,6 +9,7 @@ from html import escape
 from typing import Any
 
 from wsn_tracking.reproduction import guide
+from wsn_tracking.reproduction.digest import number
 from wsn_tracking.reproduction.drawings import svg
 from wsn_tracking.reproduction.verdicts import judged, verdicts
 
@@ -27,6 +28,7 @@ figure { display: inline-block; margin: .4rem 1rem .4rem 0; vertical-align: top 
 section { border-top: 1px solid #ccc; margin-top: 1.4rem; padding-top: .2rem } .muted { color: #6b6b6b }
 .wide { overflow-x: auto }
 """
+FIGURES = (1, 2, 3)  # columns of numbers
 
 
 def page(content: Json) -> str:
@@ -102,16 +104,19 @@ def _claim(claim: Json, verdict: str, commit: str) -> str:
         for f in claim['figures']
     ]
     pictures = ''.join(_picture(plot) for plot in claim['plots'])
-    told = 'document' if claim['kind'] == 'document' else 'stated'
-    heads = ['', told, 'ours', '95 % interval', '', 'rule on the shape', 'rule on the number']
+    heads = ['', 'document', 'ours', '95 % interval', '', 'rule on the shape', 'rule on the number']
+    used = [i for i in range(len(heads)) if any(row[i] for row in rows)]  # a column of nothing tells nothing
+    heads, rows = [heads[i] for i in used], [[row[i] for i in used] for row in rows]
+    figures = [k for k, i in enumerate(used) if i in FIGURES]
+    runs = f'{claim["runs"]} runs, commit' if claim['runs'] else 'Commit'
     parts = [
         f'<section id="{claim["id"]}"><h4>{claim["id"]}, {escape(claim["place"])} {_badge(verdict)}</h4>',
         f'<p>{escape(claim["statement"])}</p>',
         f'<p><b>Why not:</b> {escape(claim["impossible"])}</p>' if claim['impossible'] else '',
-        _rows(heads, rows, numbers=(1, 2, 3)) if rows else '',
+        _rows(heads, rows, numbers=figures) if rows else '',
         pictures,
         f'<p>{_code(claim["remark"])}</p>' if claim['remark'] else '',
-        f'<p class="muted">{claim["runs"]} runs, commit {escape(commit)}. <code>{escape(claim["command"])}</code></p>',
+        f'<p class="muted">{runs} {escape(commit)}. <code>{escape(claim["command"])}</code></p>',
         '</section>',
     ]
     return '\n'.join(part for part in parts if part)
@@ -172,11 +177,5 @@ def _code(text: str) -> str:
 
 
 def _number(value: Any) -> str:
-    """Four digits, no exponent unless it is needed."""
-    if value is None:
-        return ''
-    if isinstance(value, str):
-        return escape(value)
-    if isinstance(value, int):
-        return str(value)
-    return f'{value:.0f}' if 1e4 > abs(value) >= 1e3 else f'{value:.4g}'
+    """A number or text of a cell."""
+    return escape(number(value))

@@ -1,4 +1,4 @@
-"""From the names of claims to the two files of a reproduction."""
+"""From the names of claims to the files of a reproduction."""
 
 from __future__ import annotations
 
@@ -15,12 +15,13 @@ from wsn_tracking.reproduction.content import Setting, content
 from wsn_tracking.reproduction.cross import on_recordings, prepared
 from wsn_tracking.reproduction.cross_fields import FIELDS
 from wsn_tracking.reproduction.cross_table import table
+from wsn_tracking.reproduction.digest import digest
 from wsn_tracking.reproduction.engine import Progress, Workers, run
 from wsn_tracking.reproduction.page import page
 
 SEED = 7001  # no test uses it
 COMPARISON = 'X'  # document of the claims on all systems
-HTML, JSON = 'reproduction.html', 'reproduction.json'
+HTML, JSON, SHORT = 'reproduction.html', 'reproduction.json', 'reproduction.md'
 
 
 def computed(
@@ -47,8 +48,9 @@ def computed(
 
 
 def write(folder: Path, found: dict[str, Any]) -> list[Path]:
-    """Both files."""
+    """The report, what it is made of, and both in short."""
     text = json.dumps(found, indent=1, allow_nan=False) + '\n'
     write_whole(folder / JSON, text.encode())
     write_whole(folder / HTML, page(found).encode())
-    return [folder / HTML, folder / JSON]
+    write_whole(folder / SHORT, digest(found).encode())
+    return [folder / HTML, folder / JSON, folder / SHORT]
