@@ -102,7 +102,7 @@ def test_what_cannot_be_used_is_counted():
     records = (RssiRecord(1, None, -50, beacon_seq=1), RssiRecord(1, 0, None, beacon_seq=1))
     assert [type(v) for v in b.take(taken(rssi(300, 1, *records), 0), 0)] == [Request]
     assert list(b.take(taken(rssi(301, 1, RssiRecord(1, 0, -50, beacon_seq=1)), 0), 0)) == []
-    assert dict(b.counters) == {'too_old': 1, 'rssi_invalid': 1, 'unmapped_node': 1}
+    assert +b.counters == {'too_old': 1, 'rssi_invalid': 1, 'unmapped_node': 1}
 
 
 def test_epochs_of_a_target_end_in_order():

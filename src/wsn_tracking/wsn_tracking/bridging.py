@@ -18,6 +18,7 @@ from wsn_tracking.zstack.payload import MAX_RECORDS, Flag, Payload, PayloadType
 from wsn_tracking.zstack.records import RangeRecord, RssiRecord
 
 KEPT = 256  # closed epochs of a target that late words can still be matched with
+COUNTERS = ('too_old', 'unmapped_node', 'rssi_invalid', 'after_epoch_end')
 TARGETS = 256  # remembered; a word of one more makes the one that was silent for longest a new one
 Value = Request | Rssi | Range | EpochEnd | TriggerReport
 
@@ -51,7 +52,7 @@ class Bridge:
         self._open: dict[int, dict[int, _Open]] = {}
         self._stamps: dict[int, deque[tuple[int, int]]] = {}
         self._triggering: set[int] = set()  # nodes that have said that they trigger on board
-        self.counters: Counter[str] = Counter()
+        self.counters: Counter[str] = Counter(dict.fromkeys(COUNTERS, 0))
 
     def take(self, taken: Taken, now_ns: int) -> Iterator[Value]:
         """The values of one report, which was looked at `now_ns`; a duplicate has none."""

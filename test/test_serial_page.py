@@ -1,0 +1,51 @@
+"""docs/serial.md says what the code reads, counts and measures."""
+
+from __future__ import annotations
+
+import re
+import struct
+
+from live import ROOT
+from wsn_tracking import bridging
+from wsn_tracking.zstack import intake, lines, parser
+from wsn_tracking.zstack.counters import new_counters
+from wsn_tracking.zstack.payload import HEADER, crc16, decode_payload
+from wsn_tracking.zstack.records import FORMATS
+
+PAGE = (ROOT / 'docs' / 'serial.md').read_text('utf-8')
+LETTERS = {'uint8_t': 'B', 'int8_t': 'b', 'uint16_t': 'H', 'int16_t': 'h', 'uint32_t': 'I'}
+RECORDS = {1: 'rssi_record', 3: 'range_record', 4: 'rssi_record', 5: 'feedback_record', 6: 'command_record'}
+
+
+def structs():
+    """Layout of each packed little-endian C struct of the page."""
+    code = re.sub(r'/\*.*?\*/', '', re.search(r'```c\n(.*?)```', PAGE, re.DOTALL)[1], flags=re.DOTALL)
+    found = {}
+    for name, body in re.findall(r'struct (\w+) \{(.*?)\};', code, re.DOTALL):
+        fields = [line.split(maxsplit=1) for line in body.split(';') if line.strip()]
+        found[name] = '<' + ''.join(LETTERS[kind] * len(names.split(',')) for kind, names in fields)
+    return found
+
+
+def test_c_structs_are_what_is_read():
+    found = structs()
+    assert found.pop('header') == HEADER.format
+    for kind, name in RECORDS.items():
+        assert found[name] == FORMATS[kind].format
+    assert found.keys() == set(RECORDS.values())
+
+
+def test_payload_written_by_the_structs_is_understood():
+    body = struct.pack(structs()['header'], 0x11, 1, 3, 700, 90_000, 1, 150)
+    body += struct.pack(structs()['rssi_record'], 1, 7, -60, 5, 8, 9)
+    payload = decode_payload(body + struct.pack('<H', crc16(body)))
+    assert (payload.node_id, payload.seq, payload.t_ms, payload.battery_mv) == (3, 700, 90_000, 3000)
+    assert payload.records == ((1, 7, -60, 5, 0.5, 9),)
+
+
+def test_every_counter_of_the_link_is_explained():
+    counters = {*new_counters(), *parser.COUNTERS, *lines.LineReader().counters, *intake.COUNTERS, *bridging.COUNTERS}
+    table = PAGE[PAGE.index('| counter |') :].split('\n\n')[0]
+    explained = re.findall(r'`(\w+)`', ' '.join(row.split('|')[1] for row in table.splitlines()[2:]))
+    assert len(explained) == len(set(explained))
+    assert set(explained) == counters
