@@ -229,8 +229,8 @@ CLAIMS = (
         figures_4_5,
         plots_4_5,
         'A lost observation of the document reads noise about zero, a range of some 0.1 m: any node tells that from '
-        "the target's, alone or not, as long as likelihoods are kept as logarithms. With faults that read anything, "
-        'alone is a little worse.',
+        "the target's, alone or not. What made the document's lone nodes fail is not in it. With faults that read "
+        'anything, alone is a little worse.',
     ),
     Claim(
         'B4',

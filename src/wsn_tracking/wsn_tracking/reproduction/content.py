@@ -81,19 +81,19 @@ def _figure(figure: Figure) -> Json:
         'value': _known(figure.ours['value']),
         'interval_95': [_known(end) for end in interval],
         'unit': figure.unit,
-        'document': figure.document,
+        'document': figure.document if isinstance(figure.document, str | None) else _known(figure.document),
         'shape': _bounds(figure.shape),
         'near': _bounds(figure.near),
     }
 
 
 def _bounds(bounds: Bounds | None) -> list[float | None] | None:
-    return None if bounds is None else list(bounds)
+    return None if bounds is None else [None if bound is None else _known(bound) for bound in bounds]
 
 
 def _known(value: Any) -> float | None:
-    """JSON has no NaN."""
-    return float(value) if math.isfinite(value) else None
+    """Five digits: what lies beyond differs between machines. JSON has no NaN."""
+    return float(f'{value:.5g}') if math.isfinite(value) else None
 
 
 def plain_plot(plot: Plot) -> Json:
