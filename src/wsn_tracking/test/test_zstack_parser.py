@@ -8,7 +8,7 @@ from zstack_cases import BYTES, is_subsequence, line_bytes, message, parse, prop
 
 from wsn_tracking.zstack.bad import Bad
 from wsn_tracking.zstack.commands import AfRegisterRsp, decode
-from wsn_tracking.zstack.frames import encode_frame, fcs
+from wsn_tracking.zstack.frames import Frame, encode_frame, fcs
 from wsn_tracking.zstack.parser import GAP_S, Parser
 
 STREAM = b''.join(BYTES.values())
@@ -173,13 +173,30 @@ def test_shorter_pause_ends_nothing():
     assert parser.feed(REPORTS[0][21:], 5.18) == parse(REPORTS[0])
 
 
+UNKNOWN = b'\xfe\xfa\x41\x99'  # the beginning of a frame that no table knows
+
+
 def test_time_alone_ends_a_broken_frame_and_frees_what_it_swallowed():
-    unknown = b'\xfe\xfa\x41\x99'  # of no known command, so that only time tells
     parser = Parser(gap_s=0.1)
-    assert parser.feed(unknown + REPORTS[0] + REPORTS[1], 1.0) == []
-    assert parser.feed(b'', 1.05) == []
-    assert parser.feed(b'', 1.2) == [*parse(REPORTS[0]), *parse(REPORTS[1])]
+    begun = parser.feed(UNKNOWN + REPORTS[0][:-1], 1.0)
+    assert (begun, parser.feed(b'', 1.05)) == ([], [])
+    assert parser.held == 3 + len(REPORTS[0])
+    assert parser.feed(REPORTS[0][-1:] + REPORTS[1], 1.2) == [*parse(REPORTS[1])]
     assert parser.held == 0
+
+
+def test_frame_within_one_of_no_known_command_comes_at_once():
+    """The larger one was none: its beginning is noise, or was damaged."""
+    parser = Parser(gap_s=0.1)
+    assert parser.feed(UNKNOWN + REPORTS[0] + REPORTS[1], 1.0) == [*parse(REPORTS[0]), *parse(REPORTS[1])]
+    body = bytes((len(REPORTS[0]), 0x45, 0xCF)) + REPORTS[0]
+    assert parser.feed(b'\xfe' + body + bytes((fcs(body),)), 1.01)[0] == parse(REPORTS[0])[0]
+
+
+def test_frame_of_no_known_command_is_one():
+    """Of any length, whatever its data look like that are no sound frame of a known command."""
+    frames = [Frame(0x45CF), Frame(0x4555, b'\xfe' * 250), Frame(0x6D08, REPORTS[0][:-1])]
+    assert parse(b''.join(map(line_bytes, frames)) + REPORTS[0]) == [*frames, *parse(REPORTS[0])]
 
 
 def test_ten_million_random_bytes_do_no_harm():

@@ -5,13 +5,14 @@ damaged, would swallow what follows; three things prevent that: whether LEN fits
 shows, a candidate whose FCS is wrong is scanned again from its second byte, and a pause of the line ends it.
 
 What sinks say grows with their firmware. A frame that is a little longer than its command is known to be counts where
-nothing contradicts it: no sound frame lies within it, and another one, or a pause, follows. None of this depends on
+nothing contradicts it: no sound frame lies within it, and another one, or a pause, follows. A frame of a command that
+is not known can have any length: it counts unless a sound frame of a known one lies within it. None of this depends on
 how the stream is split.
 """
 
 from __future__ import annotations
 
-from wsn_tracking.zstack.commands import shape_of
+from wsn_tracking.zstack.commands import BY_HEADER, shape_of
 from wsn_tracking.zstack.frames import MAX_DATA, OVERHEAD, SOF, Frame, Kind, fcs
 
 GROWN = 16  # bytes by which a frame may be longer than its command is known to be
@@ -86,8 +87,10 @@ class Parser:
 def _verdict(held: bytes, at: int, end: int, *, final: bool) -> str:
     """Whether a frame begins at `at`: SOUND, WAIT for more to tell, or the counter of what is wrong."""
     fault = _fault(held, at, end)
-    if fault and (fault != GREW or _sound_within(held, at, end)):
-        return fault if fault != GREW else 'bad_length'
+    if fault and fault != GREW:
+        return fault
+    if (fault == GREW or _is_unknown(held, at, end)) and _sound_within(held, at, end):
+        return 'bad_length'
     if at + 1 >= end or (stop := at + held[at + 1] + OVERHEAD) > end:
         return WAIT
     if fcs(held[at + 1 : stop]):  # over the FCS itself too: nothing is left where it is right
@@ -122,11 +125,18 @@ def _fault(held: bytes, at: int, end: int) -> str:
     return GREW if grown > 0 else ''
 
 
+def _is_unknown(held: bytes, at: int, end: int) -> bool:
+    """Whether what seems to begin at `at` is of a command that is not known, as far as can be seen."""
+    return at + 4 <= end and (held[at + 2] << 8 | held[at + 3]) not in BY_HEADER
+
+
 def _sound_within(held: bytes, at: int, end: int) -> bool:
     """Whether a frame as it is known lies wholly within the one that seems to begin at `at`."""
     end = min(end, at + held[at + 1] + OVERHEAD)
     while (at := held.find(SOF, at + 1, end)) >= 0:
         stop = at + held[at + 1] + OVERHEAD if at + 1 < end else end + 1
-        if stop <= end and not _fault(held, at, end) and not fcs(held[at + 1 : stop]):
+        if stop > end or _is_unknown(held, at, end):
+            continue
+        if not _fault(held, at, end) and not fcs(held[at + 1 : stop]):
             return True
     return False
