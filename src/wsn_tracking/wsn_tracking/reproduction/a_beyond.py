@@ -93,7 +93,7 @@ def matched(seed: int, runs: int) -> Samples:
     return samples
 
 
-MATCHED = Experiment('a matched', matched, runs=50, units=12, quick=4)
+MATCHED = Experiment('a matched', matched, runs=50, units=12, quick=5)
 
 
 def best(s: Samples) -> Sequence[Figure]:
@@ -104,8 +104,8 @@ def best(s: Samples) -> Sequence[Figure]:
         ratio('RMSE, IPLF / particle filter', s['iplf_predicted: squares'], particles, True, shape=(None, 1.1)),
         ratio("RMSE, document's update / particle filter", s['ckf_measured: squares'], particles, True),
         median('NEES (of 2) of the median run, document: noise at the measured range', measured),
-        median('the same, noise at the predicted range', predicted, shape=(1.6, 2.3)),
-        median('the same, IPLF', s['iplf_predicted: nees'], shape=(1.6, 2.3)),
+        median('the same, noise at the predicted range', predicted, shape=(1.6, 2.4)),
+        median('the same, IPLF', s['iplf_predicted: nees'], shape=(1.6, 2.4)),
         mean('NEES, document / predicted range, run by run', measured / predicted, shape=(1.1, None)),
         mean('NEES (of 2) of all runs, noise at the predicted range', predicted),
     ]

@@ -126,7 +126,7 @@ def spacing(seed: int, runs: int) -> Samples:
     return samples
 
 
-SPACING = Experiment('c spacing', spacing, runs=6, units=12, quick=2)
+SPACING = Experiment('c spacing', spacing, runs=6, units=12, quick=3)
 
 
 def figure_5(s: Samples) -> Sequence[Figure]:

@@ -54,7 +54,7 @@ def least(worlds: Worlds, arrived: Floats) -> Floats:
     return np.asarray(np.trace(P[..., :2, :2], axis1=-2, axis2=-1).mean(axis=-1))
 
 
-SWEEP = Experiment('e sweep', sweep, runs=50, units=16, quick=5)
+SWEEP = Experiment('e sweep', sweep, runs=50, units=16, quick=6)
 
 
 def against(name: str, s: Samples, most: float, near: float | None = None) -> list[Figure]:
