@@ -12,6 +12,7 @@ from wsn_tracking_msgs.msg import TargetEstimate
 import live
 from observer import observing
 from wsn_tracking import graphs
+from wsn_tracking.graphs import Process
 from wsn_tracking.node_parameters.executables import EXECUTABLES
 from wsn_tracking.nodes import qos
 from wsn_tracking.processes import executable
@@ -53,6 +54,19 @@ def test_node_starts_on_defaults_and_ends_with_0_when_asked(name, number, tmp_pa
             process.kill()
     assert process.returncode == 0, output
     assert 'Traceback' not in output
+
+
+@pytest.mark.parametrize('name', ['consensus_node', 'estimator_node'])
+def test_a_node_on_its_own_says_what_it_waits_for(name, tmp_path):
+    with live.private_domain() as environment:
+        process = live.start(Process(name, 'alone', {'silence_timeout': 0.01}), environment, tmp_path)
+        try:
+            assert 'waits for anchors' in process.stdout.readline()
+            process.send_signal(signal.SIGINT)
+            output, _ = process.communicate(timeout=TIMEOUT)
+        finally:
+            process.kill()
+    assert 'waits for' not in output  # once is enough
 
 
 @pytest.mark.parametrize(

@@ -57,6 +57,8 @@ class TrackingNode(Node, Generic[Config]):
         self.malformed: Counter[str] = Counter()
         self._last_input: dict[str, float] = {}
         self.arrivals = 0  # messages that have come in
+        self._made_at = time.monotonic()
+        self._awaited_words = ''  # what it waits for, as the terminal was told
         self.create_timer(1.0, self.report)
         self._ready_timer = self.create_timer(0.05, self._check_ready)
 
@@ -131,8 +133,17 @@ class TrackingNode(Node, Generic[Config]):
         array = DiagnosticArray(status=[status])
         array.header.stamp = self.get_clock().now().to_msg()
         self._diagnostics.publish(array)
+        self._say_awaited(values.get('waits for', ''))
 
     # ---- within
+
+    def _say_awaited(self, waits_for: str) -> None:
+        """Whoever starts a node on its own sees what it waits for, as long as no request has come."""
+        patient = time.monotonic() - self._made_at < self._common.silence_timeout
+        if patient or 'request' in self._last_input or waits_for in {'', self._awaited_words}:
+            return
+        self._awaited_words = waits_for
+        self.get_logger().info(f'waits for {waits_for}')
 
     def _hold_anchors(self, anchors: Anchors, now: float) -> None:
         self.anchors = anchors
