@@ -17,6 +17,7 @@ build:
 
 study:
 	./env python -m wsn_tracking.evaluation.study -o docs/results
+	./env python -m wsn_tracking.evaluation.consensus_study -o docs/results
 	./env python -m wsn_tracking.live_study -o docs/results
 	./env python -m wsn_tracking.serial_study -o docs/results
 

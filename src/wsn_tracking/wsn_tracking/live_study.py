@@ -2,8 +2,8 @@
 
 Parity: a replay gives what the evaluator computes, bit for bit, at every rate, repeated. Soak: a radio field at 20 Hz
 for a minute, with the timeouts of a live network. Consensus: how long 50 nodes of system B take to agree, T = 1 s, and
-whether they agree on what the evaluator computes. Each graph runs alone in its ROS domain: set ROS_DOMAIN_ID where
-others are about.
+whether they agree on what the evaluator computes. Targets: twenty of them on one node. Each graph runs alone in its
+ROS domain: set ROS_DOMAIN_ID where others are about.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from typing import Any
 
 import numpy as np
 
-from wsn_tracking import graphs
+from wsn_tracking import graphs, processes
 from wsn_tracking.bags.estimates import differences, read_estimates
 from wsn_tracking.bags.save import save
 from wsn_tracking.files import write_whole
@@ -39,12 +39,12 @@ COMMAND = 'python -m wsn_tracking.live_study -o docs/results'
 REPEATS = 20
 RATES = ((1.0, 10), (20.0, 120), (0.0, 120))  # rate (0: as fast as it goes), epochs
 SOAK_HZ, SOAK_S = 20.0, 60.0
+TARGETS = 20
+PATIENCE_S = 120.0  # beyond what a run lasts
 QUANTILES = {'median': 0.5, 'q95': 0.95, 'longest': 1.0}
 SCHEMES = (('flood', 5), ('icf', 20))  # of system B, and their rounds
-FIRST, IN_TIME_S = (
-    2,
-    0.8,
-)  # epoch from which on time is taken (all has been read from disk by then), and how much there is
+FIRST = 2  # epoch from which on time is taken: all code has been read from disk by then
+IN_TIME_S = 0.8  # [s] that an epoch may take
 
 
 def parity(repeats: int = REPEATS) -> dict[str, Any]:
@@ -103,6 +103,36 @@ def consensus(bag: str = 'bags/b_field') -> dict[str, Any]:
     """
     source, recording = graphs.open_bag(bag)
     return {'cores': os.cpu_count(), 'rows': [_agreement(bag, source, recording, *scheme) for scheme in SCHEMES]}
+
+
+def targets(count: int = TARGETS, hertz: float = SOAK_HZ, seconds: float = SOAK_S) -> dict[str, Any]:
+    """20 targets at 20 Hz each on one hybrid_tracker_node: the share of a core that it takes, its start included.
+
+    Other load on the machine makes it more: `load` is what it was (processes that want to run, at begin and end).
+    """
+    field = scenario('d_phase', {'period': 1.0 / hertz, 'lasts': seconds})
+    walks = (field.truth, *field.companions)
+    field = field._replace(companions=tuple(walks[i % len(walks)] for i in range(1, count)))
+    before = os.getloadavg()[0]
+    with tempfile.TemporaryDirectory() as folder:
+        bag, scores = Path(folder, 'bag'), Path(folder, 'scores.json')
+        save(bag, record(field, 1))
+        graph = graphs.replay(str(bag), rate=1.0, trackers='hybrid', evaluator={'json': str(scores), 'skip': 2.0})
+        with processes.started(graph, Path(folder)) as running:
+            code = running['evaluator'].wait(seconds + PATIENCE_S)
+            busy = processes.cpu_seconds(running['hybrid_tracker'].pid)
+        told = json.loads(scores.read_text('utf-8'))
+    outputs = told['outputs'].values()
+    return {
+        'targets': len(outputs),
+        'hertz': hertz,
+        'seconds': seconds,
+        'share_of_a_core': round(busy / seconds, 3),
+        'worst_rmse_m': round(max(output['rmse_m'] for output in outputs), 3),
+        'dropped': told['input'],
+        'exit_code': code,
+        'load': [round(before, 1), round(os.getloadavg()[0], 1)],
+    }
 
 
 def _agreement(bag: str, source: graphs.Source, recording: Recording, scheme: str, rounds: int) -> dict[str, Any]:
@@ -166,7 +196,7 @@ def _quietly(graph: tuple[graphs.Process, ...], last: list[str]) -> int:
         return run_graph(graph, last)
 
 
-STUDIES: Mapping[str, Any] = {'parity': parity, 'soak': soak, 'consensus': consensus}
+STUDIES: Mapping[str, Any] = {'parity': parity, 'soak': soak, 'consensus': consensus, 'targets': targets}
 
 
 def main() -> None:
