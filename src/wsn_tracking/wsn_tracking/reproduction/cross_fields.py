@@ -13,7 +13,7 @@ from wsn_tracking.bags.importing.run import import_set
 from wsn_tracking.evaluation.score import SKIP_S
 from wsn_tracking.graphs.facts import Facts
 from wsn_tracking.real_radio.mrclam import MRCLAM
-from wsn_tracking.real_radio.sets import SETS, find, prepare
+from wsn_tracking.real_radio.sets import SETS, Set, find, prepare
 from wsn_tracking.sensing.recording import Recording
 from wsn_tracking.sensing.values import NAN, Rssi
 from wsn_tracking.simulation.record import record
@@ -61,7 +61,9 @@ FIELDS = (
         True,
         targets=1,
     ),
+    Field('zignav', 'ZigBee node at rest, RSSI, 4 nodes, every 12 s', Facts(0.01, 1e-6, 1.0, 20.0, 2), True),
 )
+PLAIN = {set_.kind: set_ for set_ in (MRCLAM, Set('zignav', 'ZigNav_logs*'))}  # whose radios nothing calibrates
 
 
 def simulated(name: str, seed: int) -> Opened:
@@ -85,9 +87,9 @@ class Ready(NamedTuple):
 
 
 def real(name: str, data: Path, work: Path) -> Ready:
-    """Import a set below `data` into `work`, its radios calibrated: by a survey, or by the part that is not scored."""
-    if name == MRCLAM.kind:
-        return Ready(tuple(map(str, import_set(name, find(data, MRCLAM), work / name))), SKIP_S)
+    """Import a set below `data` into `work`; its radios are calibrated by a survey, or by what is not scored."""
+    if name in PLAIN:
+        return Ready(tuple(map(str, import_set(name, find(data, PLAIN[name]), work / name))), SKIP_S)
     wanted, ready = SETS[name], prepare(data, name, work / 'plain')
     source, out = find(data, wanted), work / 'calibrated' / name
     return Ready(tuple(map(str, import_set(wanted.kind, source, out, wanted.rate, ready.channel))), ready.skip_s)
