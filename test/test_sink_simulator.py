@@ -299,4 +299,6 @@ def test_command_ends_by_itself_and_refuses_what_it_does_not_know(link, capsys, 
     for words in (['--set', 'traffic.colour=1'], ['--fault', 'nonsense'], ['--set', 'baud=-1']):
         with pytest.raises(TrackingError, match='expected'):
             run(*words)
+    with pytest.raises(SystemExit):
+        run('--linger', '-1')
     assert not link.is_symlink()

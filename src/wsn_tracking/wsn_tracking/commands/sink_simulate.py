@@ -7,7 +7,7 @@ import signal
 import time
 from typing import TYPE_CHECKING, Any
 
-from wsn_tracking.commands.base import Commands, rate, seed, target
+from wsn_tracking.commands.base import Commands, rate, seconds, seed, target
 
 if TYPE_CHECKING:
     from wsn_tracking.zstack.pty_loop import PtyLoop
@@ -49,7 +49,7 @@ def add(commands: Commands) -> None:
     command.add_argument('--protocol', choices=['znp', 'mt_app', 'ascii'], default='znp', help='what the sink speaks')
     command.add_argument('--fault', action='append', default=[], metavar='NAME[=VALUE]', help='what goes wrong')
     command.add_argument('--set', action='append', default=[], metavar='NAME=VALUE', help='set any other parameter')
-    command.add_argument('--linger', type=float, default=0.0, metavar='S', help='end so long after the last message')
+    command.add_argument('--linger', type=seconds, default=0.0, metavar='S', help='end so long after the last message')
 
 
 def _do(options: argparse.Namespace) -> int:
