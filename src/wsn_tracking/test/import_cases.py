@@ -21,7 +21,7 @@ from wsn_tracking.sensing.values import EpochEnd, Range, Request, Rssi
 
 Files = Mapping[str, str | bytes]
 
-FEW = settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+FEW = settings(max_examples=40, suppress_health_check=[HealthCheck.function_scoped_fixture])
 ODD = [b'', b'nan', b'-1', b'1e400', b'99999999999999999999', b'\n', b',', b';', b' ', b'\x00', b'\xff', b'#', b'x']
 BREAKS = st.lists(
     st.tuples(st.integers(0, 99), st.floats(0.0, 1.0), st.integers(0, 40), st.sampled_from(ODD)), min_size=1, max_size=4

@@ -10,7 +10,7 @@ from wsn_tracking.models.measurement import range_function, relative_noise
 from wsn_tracking.simulation.scenarios import scenario
 
 # Drawn cases are the same in every run: a red test is red for everybody. The time of one is not judged.
-properties = settings(deadline=None, derandomize=True, max_examples=60, suppress_health_check=list(HealthCheck))
+properties = settings(derandomize=True, max_examples=60, suppress_health_check=list(HealthCheck))
 
 LOOP = scenario('a_loop')
 H = range_function(LOOP.anchors)

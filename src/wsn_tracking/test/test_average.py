@@ -116,7 +116,7 @@ packets = st.lists(
 
 
 @given(packets, st.randoms(use_true_random=False))
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=200)
 def test_the_order_of_arrival_changes_no_bit(given_, rng):
     """For any numbers at all, and no number makes it fail."""
     shuffled = list(given_)

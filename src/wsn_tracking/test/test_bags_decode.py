@@ -89,7 +89,7 @@ def test_big_endian_messages_decode_equally():
     assert repr(rows_of(decode(name, big)[0])) == repr(rows_of(decode(name, little)[0]))
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 @given(which=st.integers(0, len(VALUES) - 1), data=st.data())
 def test_damaged_messages_are_judged_equally_by_both_paths(which, data):
     value = VALUES[which]

@@ -180,7 +180,7 @@ def test_a_late_packet_of_a_closed_epoch_stays():
     assert back.messages[-1] == late
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(
     packets=st.lists(
         st.tuples(st.integers(0, 4000), st.integers(0, 3), st.integers(1, 3), st.integers(0, 50)), max_size=40

@@ -74,13 +74,13 @@ def edited(data: bytes, steps) -> bytes:
     return bytes(out)
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 @given(kind=st.sampled_from(['ours', 'bare']), steps=edits)
 def test_mutated_bytes_give_a_recording_or_one_line(kind, steps):
     read_whatever(edited(small_bag(kind), steps))
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(kind=st.sampled_from(['ours', 'bare']), share=st.floats(0, 1))
 def test_a_truncated_file_gives_the_beginning_or_one_line(kind, share):
     data = small_bag(kind)
@@ -92,7 +92,7 @@ def test_a_truncated_file_gives_the_beginning_or_one_line(kind, share):
         assert cut.dropped.get('truncated', 0) == (int(share * len(data)) < len(data))
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(junk=st.binary(max_size=300), magic=st.booleans())
 def test_junk_is_refused(junk, magic):
     assert isinstance(read_whatever(b'\x89MCAP0\r\n' * magic + junk), TrackingError)

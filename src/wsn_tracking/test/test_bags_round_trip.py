@@ -72,7 +72,7 @@ def equal(a, b):
     return repr(a) == repr(b) and type(a) is type(b)
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(
     values=st.lists(st.one_of(requests, ranges, ends, reports), min_size=1, max_size=30),
     level=st.sampled_from(['range']),
@@ -90,7 +90,7 @@ def test_values_come_back_equal_and_in_order(values, level):
     assert all(map(equal, back.messages, values))
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(values=st.one_of(st.lists(rssis, min_size=1, max_size=12), st.lists(bearings, min_size=1, max_size=12)))
 def test_the_other_levels_come_back_equal(values):
     level = topic_of[type(values[0])]
@@ -102,7 +102,7 @@ def test_the_other_levels_come_back_equal(values):
     assert len(back.messages) == len(values)
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(n=st.integers(1, 6), data=st.data())
 def test_estimates_come_back_equal(n, data):
     numbers = st.floats(-1e6, 1e6)
@@ -220,7 +220,7 @@ def test_two_bags_of_equal_values_are_equal_byte_by_byte(tmp_path):
     assert (first / 'metadata.yaml').read_bytes() == (second / 'metadata.yaml').read_bytes()
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(
     metadata=st.dictionaries(
         st.text(st.characters(codec='utf-8', exclude_categories=['C']), min_size=1, max_size=9),

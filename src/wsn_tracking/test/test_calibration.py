@@ -15,7 +15,7 @@ def curve(distances, p1_dbm, n, d0=1.0):
     return p1_dbm - 10.0 * n * np.log10(np.asarray(distances) / d0)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(p1=st.floats(-90, -20), n=st.floats(0.8, 5.0), d0=st.sampled_from([0.5, 1.0, 2.0]), seed=st.integers(0, 99))
 def test_exact_data_give_the_exact_curve(p1, n, d0, seed):
     d = np.random.default_rng(seed).uniform(0.5, 30.0, 20)
@@ -76,7 +76,7 @@ def test_the_exponent_stays_within_bounds(n):
     assert fit.sigma_db > 1.0
 
 
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(seed=st.integers(0, 999))
 def test_weights_count_as_repetitions_and_order_does_not(seed):
     rng = np.random.default_rng(seed)

@@ -438,7 +438,7 @@ UNHURRIED = [HealthCheck.function_scoped_fixture, HealthCheck.too_slow]
     st.booleans(),
     st.lists(st.one_of(junk, st.tuples(st.sampled_from(OPTIONS), junk)), max_size=4),
 )
-@settings(max_examples=50, deadline=None, suppress_health_check=UNHURRIED)
+@settings(max_examples=50, suppress_health_check=UNHURRIED)
 def test_no_arguments_end_in_a_traceback(bags, started, capsys, tmp_path_factory, command, with_bag, words):
     flat = [word for entry in words for word in ([entry] if isinstance(entry, str) else entry)]
     if with_bag:

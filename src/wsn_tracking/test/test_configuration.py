@@ -239,7 +239,7 @@ NAMES = sorted({spec.name for kind in (*EXECUTABLES.values(), NodeConfig) for sp
 @example('peers', '<<: 1')
 @example('peers', '!!int a')
 @example('peers', '0x' + 'f' * 5000)
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=200)
 def test_any_text_is_a_value_or_our_error(name, text):
     said = ''
     try:

@@ -18,7 +18,7 @@ from wsn_tracking.sensing.average import one_a_node
 from wsn_tracking.sensing.epochs import EpochAssembler
 from wsn_tracking.sensing.values import Epoch, EpochEnd, Range, Request, Rssi, TriggerReport
 
-QUICK = settings(max_examples=60, deadline=None)
+QUICK = settings(max_examples=60)
 
 
 # ---- any order
@@ -158,7 +158,7 @@ garbage_messages = st.one_of(
 
 
 @given(st.lists(st.tuples(garbage_messages, st.sampled_from([0.0, 0.0, 0.5, 3.0])), max_size=60))
-@settings(max_examples=250, deadline=None)
+@settings(max_examples=250)
 def test_every_message_is_used_counted_once_or_held(steps):
     assembler, now = EpochAssembler((1, 2), known=(1, 2, 3), loss_timeout=1.0), 0.0
     numbers = []

@@ -187,7 +187,7 @@ def test_scoring_leaves_its_input_alone():
         np.testing.assert_array_equal(e.covariance, covariance)
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=25)
 @given(st.integers(0, 1000), st.lists(st.integers(1, 59), min_size=1, max_size=3, unique=True))
 def test_pooling_the_parts_of_a_run_is_scoring_the_whole(seed, cuts):
     truth, estimates = noisy_track(seed)

@@ -162,7 +162,7 @@ epochs = st.integers(1, 8)
 
 
 @given(epochs, st.integers(0, 3), st.randoms(use_true_random=False))
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 def test_without_losses_the_order_of_arrival_changes_nothing(n, restart, rng):
     """Any interleaving of what the estimators publish, also across a target that counts anew."""
     numbers = [(k if k < n else k - n, float(k)) for k in range(n + restart)]
@@ -186,7 +186,7 @@ moves = st.lists(
 
 
 @given(moves)
-@settings(max_examples=200, deadline=None)
+@settings(max_examples=200)
 def test_every_peer_estimate_is_fused_counted_once_or_held(steps):
     """Losses, repetitions, strangers, any order; own epochs rise."""
     g, now, own, given_, fused, out = gate(), 0.0, 0, 0, 0, []

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from wsn_tracking.errors import TrackingError
@@ -139,7 +139,6 @@ junk = st.recursive(
 
 
 @given(st.dictionaries(st.sampled_from(sorted(SPECS)), junk, max_size=3))
-@settings(deadline=None)
 def test_any_value_is_accepted_or_refused_with_our_error(values):
     built, said = None, ''
     try:

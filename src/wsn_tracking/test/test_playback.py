@@ -66,7 +66,7 @@ def test_an_empty_recording_is_no_events():
     st.lists(st.integers(0, 40), min_size=1, max_size=8, unique=True),
     st.lists(st.lists(st.integers(-10, 60), min_size=1, max_size=10, unique=True), min_size=1, max_size=3),
 )
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 def test_the_truth_of_every_target_is_ahead_of_what_it_judges(instants, tracks):
     """Both neighbours in time of every epoch have been sent before the epoch begins, where there are any."""
     truths = [truth([t / 4 for t in sorted(track)], target) for target, track in enumerate(tracks, 1)]

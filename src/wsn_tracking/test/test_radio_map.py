@@ -46,7 +46,7 @@ def textbook(points, y, noise, x):
     return mean, std
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 @given(seed=st.integers(0, 10_000))
 def test_the_map_is_the_gaussian_process_of_the_textbook(seed):
     points, y, noise = surveyed(seed)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from reproduction_cases import SETTING
 
+from wsn_tracking.reproduction import c_people
 from wsn_tracking.reproduction.catalogue import CLAIMS, experiments_of
 from wsn_tracking.reproduction.claims import BEYOND, MEASURED, PICTURE
 from wsn_tracking.reproduction.content import content
@@ -16,8 +17,17 @@ OWN = [claim for claim in CLAIMS if claim.document != 'X']  # those of all syste
 RUNS = 2
 
 
+@pytest.fixture(scope='module', autouse=True)
+def shorter():
+    """Three of the noises and spacings of C."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(c_people, 'NOISES', c_people.NOISES[:1] + c_people.NOISES[2:4])
+        patch.setattr(c_people, 'SPACINGS', dict(list(c_people.SPACINGS.items())[:3]))
+        yield
+
+
 @pytest.fixture(scope='module')
-def samples():
+def samples(shorter):
     small = [e._replace(runs=RUNS) for e in experiments_of(OWN)]
     return {e.name: unit(e, 41, 0).samples for e in small}
 

@@ -25,10 +25,20 @@ LOOP = BY_NAME['a_loop']
 A_LOOP = Path(__file__).resolve().parents[3] / 'bags' / 'a_loop'
 
 
+def shortened(source, recording, epochs):
+    """The first epochs of a recording."""
+
+    def epoch(message):
+        return message.request_seq if hasattr(message, 'request_seq') else message.seq
+
+    return source, recording._replace(messages=tuple(m for m in recording.messages if epoch(m) < epochs))
+
+
 @pytest.fixture(scope='module')
 def samples():
-    """Two recordings of a_loop, for all but B, which takes longer than all others together."""
+    """Two recordings of forty epochs of a_loop, for all but B, which takes longer than all others together."""
     with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(cross, 'simulated', lambda name, seed: shortened(*simulated(name, seed), 40))
         patch.setattr(cross, 'CONTENDERS', [c for c in CONTENDERS if c.name != 'B'])
         return cross.recorded(LOOP, 3, 2)
 
@@ -51,6 +61,7 @@ def test_every_contender_is_scored_whole_and_with_losses(samples):
 
 
 def test_the_same_seed_gives_the_same_but_for_what_is_measured(samples, monkeypatch):
+    monkeypatch.setattr(cross, 'simulated', lambda name, seed: shortened(*simulated(name, seed), 40))
     monkeypatch.setattr(cross, 'CONTENDERS', [c for c in CONTENDERS if c.name in ('A', 'C', 'nearest')])
     again = cross.recorded(LOOP, 3, 2)
     for name, values in again.items():
@@ -74,15 +85,9 @@ def test_a_node_sends_what_it_measures(samples):
 def test_consensus_is_compared_as_well():
     """Twelve nodes, three rounds: 36 messages an epoch."""
     consensus = next(c for c in CONTENDERS if c.name == 'B')
-    source, recording = simulated('a_loop', 5)
-    short = recording._replace(messages=tuple(m for m in recording.messages if _epoch(m) < 15))
-    told = cross.followed(consensus, LOOP, [(source, short)], 5.0, 1)
+    told = cross.followed(consensus, LOOP, [shortened(*simulated('a_loop', 5), 15)], 5.0, 1)
     assert told['messages'] == pytest.approx(36.0)
     assert told['squares'] < 0.1
-
-
-def _epoch(message):
-    return message.request_seq if hasattr(message, 'request_seq') else message.seq
 
 
 def test_the_simulated_recording_is_the_bag_of_its_seed():

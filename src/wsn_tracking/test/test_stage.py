@@ -99,7 +99,7 @@ sequences = st.lists(st.dictionaries(st.sampled_from([3, 5, 8, 9, 77]), levels, 
 
 
 @given(configs, sequences, st.integers(0, 3))
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=80)
 def test_one_process_or_many_send_the_same_and_report_every_node_once(config, heard, seed):
     together = SensingStage(config, ANCHORS, seed=seed)
     apart = [SensingStage(config, ANCHORS, ids, seed) for ids in ((3,), (8, 5), (9,))]

@@ -159,7 +159,7 @@ def test_an_output_whose_target_comes_late_is_waited_for_from_then_on():
 
 
 @given(st.integers(1, 6), st.integers(1, 30), st.integers(1, 3), st.randoms(use_true_random=False))
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=80)
 def test_the_feed_is_never_further_ahead_than_the_window_and_always_ends(size, n, outputs, rng):
     topics = [f'out_{i}' for i in range(outputs)]
     w = window(n, size, topics)
