@@ -85,10 +85,12 @@ def run(
         if not chosen:
             continue
         path = folder / f'{file}.json'
-        results = {name: value for name, value in _kept(path).items() if name in table}
+        made = {}
         for name in chosen:
             print(f'{file}: {name}', file=sys.stderr, flush=True)
-            results[name] = {'what': _first_line(table[name]), **table[name]()}
+            made[name] = {'what': _first_line(table[name]), **table[name]()}
+        kept = {name: value for name, value in _kept(path).items() if name in table}  # another run may have added some
+        results = {**kept, **made}
         text = json.dumps({'command': command, 'studies': results}, indent=2, sort_keys=True, allow_nan=False)
         write_whole(path, text.encode() + b'\n')
         written.append(path)

@@ -90,7 +90,11 @@ def corridor(runs: int = 100) -> Result:
             'rss_mcl': baseline(0.5, widened=False, particles=particles),
             'paper_direction': direction(0.5, particles=particles),
         }
-        result[f'particles_{particles}'] = told(compare(walks, configs), ('paper_direction', 'rss_mcl'))
+        found = compare(walks, configs)
+        result[f'particles_{particles}'] = {
+            **told(found, ('paper_direction', 'rss_mcl')),
+            'median_walk': float(np.sqrt(np.median(found['paper_direction'] / found['rss_mcl']))),
+        }
     return result
 
 

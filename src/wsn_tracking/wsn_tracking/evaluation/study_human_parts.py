@@ -17,11 +17,12 @@ from wsn_tracking.models.anchors import Floats
 from wsn_tracking.models.body import SINGLE, mean_rssi
 from wsn_tracking.models.body_likelihood import Readings
 from wsn_tracking.models.walk import STATES
-from wsn_tracking.simulation.c_body import BodyConfig, nodes
+from wsn_tracking.simulation.c_body import BodyConfig, CircleConfig, nodes
 from wsn_tracking.trackers.human_config import HumanConfig, MotionConfig, ResamplingConfig, SignalConfig, StartConfig
 from wsn_tracking.trackers.human_filter import HumanFilter
 from wsn_tracking.trackers.human_models import curves_of
 
+EXCESSES = (2.3, 2.92)  # of a reset, beside the configured one
 FOUND = 5.0  # [m] a target that has jumped is found again when it is nearer than this
 
 
@@ -43,11 +44,15 @@ def parts(runs: int = 60) -> Result:
 
 
 def teleport(runs: int = 60, at: float = 60.0) -> Result:
-    """How soon a target that has jumped is found again; how often particles are drawn anew without need."""
+    """How soon a target that has jumped is found again."""
     walks = sample(BodyConfig(teleport_at=at, duration=at + 90.0), runs, SEED)
-    never = replace(IMPROVED, start=StartConfig(reset_epochs=0))
+    configs = {
+        'reset': IMPROVED,
+        **{f'reset_beyond_{x:g}': replace(IMPROVED, start=StartConfig(reset_excess=x)) for x in EXCESSES},
+        'no_reset': replace(IMPROVED, start=StartConfig(reset_epochs=0)),
+    }
     result: Result = {'runs': runs, 'seed': SEED, 'found_within_m': FOUND}
-    for name, config in {'reset': IMPROVED, 'no_reset': never}.items():
+    for name, config in configs.items():
         times = recovery(distances(track(config, walks, SEED), walks), walks.times, at)
         result[name] = {'median_s': float(np.median(times)), 'slowest_tenth_s': float(np.quantile(times, 0.9))}
     result['median_of_no_reset'] = result['reset']['median_s'] / result['no_reset']['median_s']
@@ -63,20 +68,29 @@ def recovery(d: Floats, times: Floats, at: float) -> Floats:
 
 
 def needless(runs: int = 60) -> Result:
-    """How often two epochs in a row would have particles drawn anew that follow their target, a median or a mean."""
+    """How often an hour two epochs in a row would have particles drawn anew that follow their target.
+
+    By the excess of the median or of the mean over nodes.
+    """
     never = replace(IMPROVED, start=StartConfig(reset_epochs=0))
     middles: Mapping[str, Callable[..., Floats]] = {'median': np.nanmedian, 'mean': np.nanmean}
-    result: Result = {'runs': runs, 'seed': SEED}
-    for name, config in {'no_outliers': BodyConfig(), 'outliers_10_percent': BodyConfig(outliers=0.1)}.items():
+    worlds = {
+        'no_outliers': BodyConfig(),
+        'outliers_10_percent': BodyConfig(outliers=0.1),
+        'four_nodes': CircleConfig(),
+    }
+    result: Result = {'runs': runs, 'seed': SEED, 'configured_excess': never.start.reset_excess}
+    for name, config in worlds.items():
         walks = sample(config, runs, SEED)
         tracks = track(never, walks, SEED, nodes_too=True)
         surprise = np.where(np.isnan(walks.z), np.nan, -tracks.by_node - np.log(config.sigma))
         follows = distances(tracks, walks) < FOUND
-        enough = np.sum(~np.isnan(surprise), axis=-1) >= never.start.reset_nodes
+        counts = follows & (np.sum(~np.isnan(surprise), axis=-1) >= never.start.reset_nodes)
         hours = float(follows.sum()) * config.period / 3600.0
         result[name] = {
-            kind: per_hour(enough & follows & (of(surprise, axis=-1) > never.start.reset_excess), hours)
+            f'{kind}_beyond_{excess:g}': per_hour(counts & (of(surprise, axis=-1) > excess), hours)
             for kind, of in middles.items()
+            for excess in (never.start.reset_excess, *EXCESSES)
         }
     return result
 

@@ -166,7 +166,7 @@ class StartConfig:
         1000,
     )
     reset_excess: float = param(
-        2.92, 'an epoch does where the median node says less than -(this + ln sigma) in log evidence', '', 0.0, 1e3
+        2.6, 'an epoch does where the median node says less than -(this + ln sigma) in log evidence', '', 0.0, 1e3
     )
     reset_nodes: int = param(3, 'and so many nodes are heard', '', 1, 65535)
 
