@@ -20,9 +20,11 @@ TIMEOUT = 0.1  # [s]
 Z = np.array([[70.0, 0.8], [45.0, 2.0], [120.0, 2.7], [200.0, 3.0]])
 
 
-def groups_of(*districts, config=CONFIG, timeout=TIMEOUT):
+def groups_of(*districts, head_start=0.0):
     anchors = anchors_of(LINE)
-    return [ConsensusGroup({i: ConsensusNode(config, anchors, i) for i in ids}, timeout) for ids in districts]
+    return [
+        ConsensusGroup({i: ConsensusNode(CONFIG, anchors, i) for i in ids}, TIMEOUT, head_start) for ids in districts
+    ]
 
 
 def carried(groups, now=0.0):
@@ -82,6 +84,24 @@ def test_a_dead_neighbour_costs_a_round_timeout_a_round_and_nothing_once_it_is_s
     assert left.counters['missing_share'] == CONFIG.silent_epochs * CONFIG.rounds
     left.begin(epoch_of(CONFIG.silent_epochs, Z))
     assert {'consensus_1', 'consensus_2'} == {s.source for s in left.advance(99.0) if isinstance(s, Estimate)}
+
+
+def test_whoever_begins_late_is_heard_within_the_head_start_of_the_others():
+    """Processes do not begin an epoch at once; who is in its first round early waits, and no longer in later ones."""
+    left, right = groups_of((1, 2), (3, 4), head_start=0.5)
+    left.begin(epoch_of(0, Z))
+    begun = list(left.advance(0.0))
+    late = 0.5 + TIMEOUT - 0.01
+    left.look_at_time(late)
+    assert not list(left.advance(late))
+    right.begin(epoch_of(0, Z))
+    for said in begun:
+        if isinstance(said, Share):
+            right.receive(said)
+    estimates, _ = carried([left, right], late)
+    assert len(estimates) == 4
+    assert not +left.counters
+    assert not +right.counters
 
 
 def test_who_was_silent_and_speaks_too_late_is_waited_for_in_the_next_epoch():

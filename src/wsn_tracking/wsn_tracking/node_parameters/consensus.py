@@ -25,13 +25,25 @@ class ConsensusNodeConfig(ConsensusConfig, AssemblyConfig):
     )
     period: float = param(1.0, 'T, time between requests of a target', 's', 1e-3, 3600.0)
     round_timeout: float = param(
-        0.0, 'how long a round may last, on the average of those so far; 0: 0.6 T / `rounds`', 's', 0.0, 3600.0
+        0.0, 'how long a round may last, on the average of those so far; 0: 0.4 T / `rounds`', 's', 0.0, 3600.0
+    )
+    head_start: float = param(
+        0.0,
+        'how much longer the first round may last, since processes do not begin an epoch at once; 0: 0.2 T',
+        's',
+        0.0,
+        3600.0,
     )
 
     @property
     def longest_round(self) -> float:
         """The round timeout that counts [s]."""
-        return self.round_timeout or 0.6 * self.period / max(self.rounds, 1)
+        return self.round_timeout or 0.4 * self.period / max(self.rounds, 1)
+
+    @property
+    def longest_start(self) -> float:
+        """The head start that counts [s]."""
+        return self.head_start or 0.2 * self.period
 
     def checked(self) -> ConsensusNodeConfig:
         """Itself, or TrackingError where fields contradict each other."""

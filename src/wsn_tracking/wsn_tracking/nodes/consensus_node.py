@@ -62,7 +62,7 @@ class ConsensusProcess(TrackingNode[ConsensusNodeConfig]):
         config = self.config
         ids = anchors.select(config.ids).ids.tolist() if config.ids else anchors.ids.tolist()
         nodes = {i: ConsensusNode(config, anchors, i, config.neighbours) for i in ids}
-        group = ConsensusGroup(nodes, config.longest_round)
+        group = ConsensusGroup(nodes, config.longest_round, config.longest_start)
         for i in nodes:
             self._shares[i] = self.give(msg.ConsensusShare, f'consensus/node_{i}', qos.ESTIMATES)
             self._estimates[i] = (

@@ -20,13 +20,14 @@ MAX_QUEUE = 1000  # epochs that wait for a node which is too slow
 class ConsensusGroup:
     """Nodes by id, of one configuration; each goes through its epochs in order and at its own pace.
 
-    Round t of an epoch ends when all neighbours were heard, or (t + 1) round_timeout [s] after the epoch began: by this
+    Round t of an epoch ends when all neighbours were heard, or head_start + (t + 1) round_timeout [s] after the epoch
+    began: whoever begins a little later than the others is heard, too, and by this
     schedule a node that waits for a dead neighbour does not make those late that wait for it.
     """
 
-    def __init__(self, nodes: Mapping[int, ConsensusNode], round_timeout: float) -> None:
+    def __init__(self, nodes: Mapping[int, ConsensusNode], round_timeout: float, head_start: float = 0.0) -> None:
         self.nodes = nodes
-        self._members = {i: _Member(node, round_timeout) for i, node in nodes.items()}
+        self._members = {i: _Member(node, round_timeout, head_start) for i, node in nodes.items()}
         self._hear: dict[int, list[int]] = {}  # who of the group takes a node's shares
         for i, node in nodes.items():
             for sender in node.neighbours:
@@ -102,10 +103,10 @@ class ConsensusGroup:
 class _Member:
     """One node, the epochs that are before it, and when its epoch began."""
 
-    def __init__(self, node: ConsensusNode, round_timeout: float) -> None:
+    def __init__(self, node: ConsensusNode, round_timeout: float, head_start: float) -> None:
         self.queue: deque[Epoch] = deque()
         self._node = node
-        self._timeout = round_timeout
+        self._timeout, self._head_start = round_timeout, head_start
         self._ends: float | None = None  # when the round is over at the latest; None: in no epoch
 
     def is_late(self, now: float) -> bool:
@@ -118,7 +119,7 @@ class _Member:
             if self._ends is None:
                 if not self.queue:
                     return
-                self._ends = now + self._timeout
+                self._ends = now + self._head_start + self._timeout
                 said = self._node.begin(self.queue.popleft())
             elif self._node.awaited and not self.is_late(now):
                 return
