@@ -11,7 +11,7 @@ import tempfile
 import threading
 import time
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -77,6 +77,36 @@ def run_graph(processes: Sequence[Process], last: Sequence[str]) -> int:
             return _wait(running, last)
         finally:
             _end(running)
+
+
+@contextmanager
+def started(graph: Sequence[Process], folder: Path) -> Iterator[dict[str, subprocess.Popen[str]]]:
+    """The processes of a graph, by name, with parameter files in a folder; none outlives its use."""
+    with ExitStack() as stack:
+        yield {
+            process.name: stack.enter_context(
+                ended(command(process, write_parameters(process, folder)), stderr=subprocess.DEVNULL)
+            )
+            for process in graph
+        }
+
+
+@contextmanager
+def ended(words: Sequence[str], **options: Any) -> Iterator[subprocess.Popen[str]]:
+    """A process that does not outlive its use."""
+    process = subprocess.Popen(words, text=True, stdout=subprocess.PIPE, **options)
+    try:
+        yield process
+    finally:
+        if process.poll() is None:
+            process.kill()
+        process.communicate()
+
+
+def cpu_seconds(pid: int) -> float:
+    """CPU time that a running process has taken so far (Linux)."""
+    fields = Path(f'/proc/{pid}/stat').read_text('ascii').rpartition(')')[2].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf('SC_CLK_TCK')
 
 
 @contextmanager

@@ -7,7 +7,6 @@ as processes of their own; one more process notes when measurements arrive.
 from __future__ import annotations
 
 import argparse
-import contextlib
 import json
 import os
 import random
@@ -17,7 +16,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -98,40 +97,15 @@ def listen(seconds: float, settings: Values | None = None) -> Heard:
         sink.simulator.witness = note
         names = ','.join(process.name for process in graph)
         words = [sys.executable, '-m', LISTENER, str(file), names, ','.join(outputs), str(count), str(len(epochs))]
-        with sink.running(), _started(graph, Path(folder)) as running, _ended(words) as listener:
+        with sink.running(), processes.started(graph, Path(folder)) as running, processes.ended(words) as listener:
             _await_ready(listener)
             bridge = running[graphs.BRIDGE].pid
-            before, began = cpu_seconds(bridge), time.monotonic()
+            before, began = processes.cpu_seconds(bridge), time.monotonic()
             sink.may_begin.set()
             listener.wait(seconds + PATIENCE)
-            busy = (cpu_seconds(bridge) - before) / (time.monotonic() - began)
+            busy = (processes.cpu_seconds(bridge) - before) / (time.monotonic() - began)
         told = json.loads(file.read_text('utf-8'))
     return Heard(said, [tuple(entry) for entry in told['rssi']], told['estimates'], told['counters'], busy)
-
-
-@contextlib.contextmanager
-def _ended(words: Sequence[str], **options: Any) -> Iterator[subprocess.Popen[str]]:
-    """A process that does not outlive its use."""
-    process = subprocess.Popen(words, text=True, stdout=subprocess.PIPE, **options)
-    try:
-        yield process
-    finally:
-        if process.poll() is None:
-            process.kill()
-        process.communicate()
-
-
-@contextlib.contextmanager
-def _started(graph: Sequence[graphs.Process], folder: Path) -> Iterator[dict[str, subprocess.Popen[str]]]:
-    with contextlib.ExitStack() as stack:
-        yield {
-            process.name: stack.enter_context(
-                _ended(
-                    processes.command(process, processes.write_parameters(process, folder)), stderr=subprocess.DEVNULL
-                )
-            )
-            for process in graph
-        }
 
 
 def _await_ready(listener: subprocess.Popen[str]) -> None:
@@ -139,12 +113,6 @@ def _await_ready(listener: subprocess.Popen[str]) -> None:
     said = select.select([listener.stdout], [], [], PATIENCE)[0]
     if not said or listener.stdout.readline().strip() != 'ready':
         raise TrackingError('the graph behind the serial line did not become ready: start its nodes alone to see why')
-
-
-def cpu_seconds(pid: int) -> float:
-    """CPU time that a running process has taken so far (Linux)."""
-    fields = Path(f'/proc/{pid}/stat').read_text('ascii').rpartition(')')[2].split()
-    return (int(fields[11]) + int(fields[12])) / os.sysconf('SC_CLK_TCK')
 
 
 def end_to_end(seconds: float = SECONDS, settings: Values | None = None) -> dict[str, Any]:
