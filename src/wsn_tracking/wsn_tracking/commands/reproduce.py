@@ -48,11 +48,13 @@ def _do(options: argparse.Namespace) -> int:
     from wsn_tracking.reproduction.catalogue import wanted
     from wsn_tracking.reproduction.content import Setting, commit
     from wsn_tracking.reproduction.engine import Workers
-    from wsn_tracking.reproduction.reproduce import computed, write
+    from wsn_tracking.reproduction.reproduce import COMPARISON, computed, write
 
     if options.output.exists() and not options.output.is_dir():
         raise TrackingError(f'{options.output} is no folder: name one for the report')
     claims = wanted(options.names)
+    if options.data and not any(claim.document == COMPARISON for claim in claims):
+        raise TrackingError('--data is for the comparison of all systems: add X to what is computed')
     given = [*(['--quick'] if options.quick else []), *(['--data', 'DATA'] if options.data else [])]
     words = [*options.names, *given, '--seed', str(options.seed)]
     setting = Setting(options.seed, options.quick, f'./wsn-tracking reproduce {shlex.join(words)}', commit())
