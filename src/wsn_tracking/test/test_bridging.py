@@ -113,6 +113,18 @@ def test_epochs_of_a_target_end_in_order():
     assert ends == [3, 4]
 
 
+def test_next_end_is_that_of_the_epoch_that_began_first():
+    b = bridge()
+    assert b.next_due_ns is None
+    for k, at in ((3, 100), (4, 200)):
+        list(b.take(taken(rssi(1, k, RssiRecord(1, 0, -50, beacon_seq=k)), at), at * MS))
+    assert b.next_due_ns == 100 * MS + TIMEOUT
+    list(b.due(100 * MS + TIMEOUT))
+    assert b.next_due_ns == 200 * MS + TIMEOUT
+    list(b.due(200 * MS + TIMEOUT))
+    assert b.next_due_ns is None
+
+
 def test_a_range_keeps_no_variance_that_was_not_told():
     b = bridge()
     payload = Payload(PayloadType.RANGE, 5, 2, 0, (RangeRecord(9, 0, 1000, 0, 4),))

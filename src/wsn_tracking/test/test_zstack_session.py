@@ -284,6 +284,19 @@ def test_reset_while_attaching_begins_again(sink, host):
     assert (len(sink.questions(c.AfRegister)), up.counted('open_failed'), up.counted('opened')) == (2, 0, 1)
 
 
+def test_line_is_looked_at_when_the_host_asks_for_it(sink, host):
+    """Whoever waits for the end of an epoch can be sure that nothing lies unread."""
+    up = host()
+    up.wait_up()
+    sink.say(data(3))
+    asked = time.monotonic_ns()
+    up.session.look()
+    up.until(lambda: (up.session.looked_ns or 0) > asked)
+    up.wait_seqs([3])
+    sink.unplug()
+    up.until(lambda: up.session.looked_ns is None)
+
+
 def test_silent_sink_is_pinged_and_kept(sink, host):
     up = host(timeout=dataclasses.replace(FAST, idle=0.05))
     up.wait_up()

@@ -1,7 +1,7 @@
 """From what a sink delivers to requests, measurements and epoch ends: the entry of live data.
 
-Time decides here and nowhere else: an epoch is over `epoch_timeout` after the first word of it, steady time. What
-comes later is still handed on; its consumers count it as late.
+Time decides here and nowhere else: an epoch is over `epoch_timeout` after the first word of it was read, steady time.
+What comes later is still handed on; its consumers count it as late.
 """
 
 from __future__ import annotations
@@ -55,13 +55,18 @@ class Bridge:
         self.counters: Counter[str] = Counter(dict.fromkeys(COUNTERS, 0))
 
     def take(self, taken: Taken, now_ns: int) -> Iterator[Value]:
-        """The values of one report, which was looked at `now_ns`; a duplicate has none."""
+        """The values of one report, which was read from the line at `now_ns`; a duplicate has none."""
         payload = taken.report.payload
         if not taken.is_new or payload.type not in {PayloadType.RSSI, PayloadType.RANGE, PayloadType.WORN}:
             return
         for index, record in enumerate(payload.records):
             if isinstance(record, (RssiRecord, RangeRecord)):
                 yield from self._record(taken, payload, index, record, now_ns)
+
+    @property
+    def next_due_ns(self) -> int | None:
+        """When the next epoch is over; None while none is open."""
+        return min((epoch.due_ns for epochs in self._open.values() for epoch in epochs.values()), default=None)
 
     def due(self, now_ns: int) -> Iterator[Value]:
         """The ends of the epochs that are over by now, each target's in order."""

@@ -26,6 +26,7 @@ from wsn_tracking.zstack.session import Session
 
 TICK = 0.01  # [s] how often epochs are looked at that are over
 JITTER = 0.1  # of a period by which stamps may come early
+STUCK_NS = 1_000_000_000  # an epoch does not wait longer for a look at the line
 WARNED = 60.0  # [s] for which two radios of one id are told of
 OUTPUTS = {
     Request: ('request', msg.LocationRequest, convert.request_message),
@@ -81,10 +82,21 @@ class SerialBridgeNode(TrackingNode[SerialBridgeConfig]):
             if taken is not None:
                 if taken.judged.conflict:
                     self._conflicts[taken.report.payload.node_id] = time.monotonic()
-                self._publish(self._bridge.take(taken, time.monotonic_ns()))
+                self._publish(self._bridge.take(taken, received.arrival_ns))
 
     def _end_epochs(self) -> None:
-        self._publish(self._bridge.due(time.monotonic_ns()))
+        """Those that are over; what the line had delivered by then counts, however late this process looks at it."""
+        due_ns, now_ns = self._bridge.next_due_ns, time.monotonic_ns()
+        if due_ns is None or due_ns > now_ns:
+            return
+        looked_ns = self._session.looked_ns
+        if looked_ns is None or now_ns - due_ns > STUCK_NS:  # nothing is to come, or the line is stuck
+            looked_ns = now_ns
+        if looked_ns < due_ns:
+            self._session.look()
+            return
+        self._take_all()
+        self._publish(self._bridge.due(looked_ns))
 
     def _publish(self, values: Iterable[Value]) -> None:
         for value in map(self._as_told, values):

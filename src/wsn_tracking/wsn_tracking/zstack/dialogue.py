@@ -44,6 +44,7 @@ class Dialogue:
         self.restarted = False  # a SysResetInd came; whoever acts on it sets it back
         self.state: int | None = None  # device state, where the sink has told
         self.heard = time.monotonic()  # when the sink last said anything
+        self.looked_ns = 0  # whatever had come by then was passed on, host clock (monotonic)
         self._ear = ear
         self._stopped = stopped
         self._awaited = -1
@@ -57,6 +58,7 @@ class Dialogue:
         for item in items:
             self.heard = time.monotonic()
             self._take(item, arrival_ns)
+        self.looked_ns = arrival_ns
 
     def pause(self, seconds: float) -> None:
         """Pass on what comes for that long."""

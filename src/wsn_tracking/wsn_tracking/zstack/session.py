@@ -39,6 +39,7 @@ class Session:
         self._protocol = protocol_of(config.sink_protocol, config.radio, config.timeout.gap)
         self._wake = wake
         self._was_up = False  # since the port was opened
+        self._dialogue: Dialogue | None = None  # on the port that is open
         self._bell = Bell()
         self._stop = threading.Event()
         self._thread = threading.Thread(target=self._run, name='sink', daemon=True)
@@ -59,6 +60,16 @@ class Session:
     def counters(self) -> dict[str, int]:
         """Everything that was counted since the start."""
         return {**self._counters, **self._protocol.counters}
+
+    @property
+    def looked_ns(self) -> int | None:
+        """What the line had delivered by then is in the inbox, host clock (monotonic) [ns]; None: no line is open."""
+        dialogue = self._dialogue
+        return None if dialogue is None else dialogue.looked_ns
+
+    def look(self) -> None:
+        """Have the line looked at now, also if nothing comes."""
+        self._bell.ring()
 
     def send(self, dst: int, data: bytes) -> None:
         """Have a payload sent to a node, or to all (0xFFFF), if the link is up within timeout.send_age."""
@@ -100,6 +111,7 @@ class Session:
             self.status = self.status._replace(phase='opening', device=port.device)
             self._serve(port)
         finally:
+            self._dialogue = None
             for item in self._protocol.flush():  # the line broke off in the middle of something
                 self._hear(item, time.monotonic_ns())
             self._outbox.forget()
@@ -114,6 +126,7 @@ class Session:
         self._counters['stale_bytes'] += line.drop()
         self._deliver(LinkEvent('opened', port.device), time.monotonic_ns())
         dialogue = Dialogue(line, config.timeout, self._counters, self._hear, self._stop.is_set)
+        self._dialogue = dialogue
         if config.sink_protocol != 'znp':
             self._come_up()
             while True:
