@@ -21,7 +21,7 @@ study:
 	./env python -m wsn_tracking.live_study -o docs/results
 	./env python -m wsn_tracking.serial_study -o docs/results
 
-# make reproduce ARGS=--quick takes a tenth of the time. The report is reproduction/reproduction.html.
+# make reproduce ARGS=--quick takes a quarter of the time. The report is reproduction/reproduction.html.
 reproduce:
 	./wsn-tracking reproduce $(ARGS)
 

@@ -171,6 +171,7 @@ def test_the_command_writes_both_files_and_tells_verdicts(tmp_path, capsys):
         (['Z'], 1, 'no claim or document'),
         (['B4', '--jobs', '0'], 2, 'no number of workers'),
         (['B4', '--jobs', 'two'], 2, 'no number of workers'),
+        (['B4', '--data', '.'], 1, 'add X to what is computed'),
     ],
 )
 def test_a_wrong_call_is_one_line(capsys, tmp_path, arguments, code, words):
