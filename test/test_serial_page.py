@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 import struct
 
@@ -49,3 +50,23 @@ def test_every_counter_of_the_link_is_explained():
     explained = re.findall(r'`(\w+)`', ' '.join(row.split('|')[1] for row in table.splitlines()[2:]))
     assert len(explained) == len(set(explained))
     assert set(explained) == counters
+
+
+def test_figures_are_those_of_the_study():
+    studies = json.loads((ROOT / 'docs' / 'results' / 'serial.json').read_text('utf-8'))['studies']
+    run, noise = studies['end_to_end'], studies['noise']
+    latency, used = run['byte_to_measurement_ms'], set(run['measurements_used'].values())
+    assert (run['faults'], len(used)) == ({}, 1)
+    told = [
+        (run['said'], run['arrived'], run['lost']),
+        tuple(used),
+        (latency['median'], latency['95_percent'], latency['longest']),
+        (run['bridge_share_of_a_core'],),
+        (run['fused_from_fewer_than_3'],),
+        (noise['frames_by_chance'], noise['most_held_bytes']),
+    ]
+    table = PAGE[PAGE.index('## What it costs') :].split('|---|---|\n')[1].split('\n\n')[0]
+    quoted = [re.findall(r'[\d.]+', row.split('|')[2]) for row in table.splitlines()]
+    assert [tuple(map(float, row)) for row in quoted] == told
+    assert latency['median'] < 5.0
+    assert run['bridge_share_of_a_core'] < 0.2
