@@ -58,7 +58,7 @@ def plot_map(
         corners = np.asarray(area)[np.array([[0, 1], [2, 1], [2, 3], [0, 3], [0, 1]])]
         axes.plot(*corners.T, color='#b0b0b0', linewidth=1.0, zorder=1)
     timed = _timed(estimates)
-    wide = {'linewidth': 2.2, 'color': style.INK} if not timed else {'linewidth': 4.5, 'color': PALE}
+    wide: dict[str, Any] = {'linewidth': 2.2, 'color': style.INK} if not timed else {'linewidth': 4.5, 'color': PALE}
     for number, truth in enumerate(truths.values()):
         handles += axes.plot(*_way(truth).T, zorder=3, label='truth', **wide)[: number == 0]
     starts = np.array([_way(truth)[_recorded(truth)][0] for truth in truths.values() if _recorded(truth).any()])

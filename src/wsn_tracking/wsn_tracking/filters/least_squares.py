@@ -21,11 +21,10 @@ def least_squares(positions: Floats, d: Floats, weights: Floats | None = None) -
     """
     heard = ~np.isnan(d)
     w = heard.astype(np.float64) if weights is None else np.where(heard, weights, 0.0)
-    a = np.broadcast_to(positions, (*d.shape, 2))
     lead = _last(heard) if weights is None else w / np.maximum(w.sum(axis=-1, keepdims=True), 1e-300)
     # counted from a point among the nodes, so that squares of far coordinates do not swallow the digits
-    origin = np.sum(lead[..., None] * a, axis=-2)
-    A = a - origin[..., None, :]
+    origin = np.sum(lead[..., None] * positions, axis=-2)
+    A = positions - origin[..., None, :]
     c = 0.5 * (np.sum(A * A, axis=-1) - np.square(np.where(heard, d, 0.0)))
     B = c - np.sum(lead * c, axis=-1)[..., None]
     WA = w[..., None] * A

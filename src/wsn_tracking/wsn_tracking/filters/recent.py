@@ -35,7 +35,7 @@ def nothing(shape: tuple[int, ...], nodes: int) -> Recent:
 def hear(recent: Recent, rows: NDArray[np.int64], d: Floats, weights: Floats, t: ArrayLike) -> Recent:
     """Distances d (...) of nodes in rows (...) at t (...) [s]; NaN: nothing was heard."""
     is_it = (np.arange(recent.d.shape[-1]) == rows[..., None]) & ~np.isnan(d)[..., None]
-    now = np.broadcast_to(np.asarray(t, dtype=np.float64), d.shape)[..., None]
+    now = np.asarray(t, dtype=np.float64)[..., None]
     return recent._replace(
         d=np.where(is_it, d[..., None], recent.d),
         t=np.where(is_it, now, recent.t),
@@ -68,7 +68,7 @@ def follow(recent: Recent, raw: Floats, t: ArrayLike, age_max: float, weight: fl
 
     Where there has been none (NaN) for age_max [s] the low pass begins anew.
     """
-    now = np.broadcast_to(np.asarray(t, dtype=np.float64), recent.at.shape)
+    now = np.asarray(t, dtype=np.float64)
     valid = ~np.isnan(raw[..., 0])
     with np.errstate(invalid='ignore'):
         anew = ~(now - recent.at <= age_max * (1.0 + 1e-9))
