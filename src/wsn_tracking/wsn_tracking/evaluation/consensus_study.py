@@ -140,12 +140,10 @@ def pieces(worlds: Worlds) -> Table:
     small = ConsensusConfig(scheme='cm', rounds=100, radius=50.0)
     apart, size = runs_of.track(small, worlds), component_sizes(adjacency(worlds.positions, small.radius))
     table = [_row('cm, L = 100, radius 50 m: falls apart', apart, {})]
-    for name, least, most in (('alone', 1, 1), ('of two to four', 2, 4), ('of five or more', 5, np.inf)):
+    sizes = {'nodes alone': (1, 1), 'components of two to four': (2, 4), 'components of five or more': (5, np.inf)}
+    for name, (least, most) in sizes.items():
         chosen = (least <= size) & (size <= most)
-        told = {'share_of_nodes': float(np.mean(chosen))}
-        table.append(
-            _row(f'the same, components {name}'.replace('components alone', 'nodes alone'), at(apart, chosen), told)
-        )
+        table.append(_row(f'the same, {name}', at(apart, chosen), {'share_of_nodes': float(np.mean(chosen))}))
     return table
 
 
