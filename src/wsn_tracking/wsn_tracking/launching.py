@@ -22,10 +22,15 @@ def actions(processes: Sequence[Process], namespace: str, last: str) -> list[Any
     from launch.event_handlers import OnProcessExit
     from launch.events import Shutdown
     from launch_ros.actions import Node
+    from launch_ros.parameter_descriptions import ParameterValue
+
+    def typed(value: Any) -> Any:
+        """Text stays text; launch would take a path `2024`, or an address in hexadecimal, for a number."""
+        return ParameterValue(value, value_type=str) if isinstance(value, str) else _plain(value)
 
     nodes = {}
     for process in processes:
-        values = {name: _plain(value) for name, value in declared(process).items()}
+        values = {name: typed(value) for name, value in declared(process).items()}
         nodes[process.name] = Node(
             package='wsn_tracking',
             executable=process.executable,
