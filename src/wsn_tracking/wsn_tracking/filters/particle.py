@@ -19,11 +19,12 @@ class Cloud(NamedTuple):
 
     s: Floats  # (..., S, P) states
     log_w: Floats  # (..., P), their exponentials sum to one
+    exp_log_w: Floats | None = None  # these exponentials, where they are at hand
 
     @property
     def w(self) -> Floats:
         """Weights (..., P)."""
-        return np.exp(self.log_w)
+        return np.exp(self.log_w) if self.exp_log_w is None else self.exp_log_w
 
 
 class Resampled(NamedTuple):
@@ -56,10 +57,14 @@ def reweighed(cloud: Cloud, l: Floats) -> tuple[Cloud, Floats]:
     (evidence -inf) leaves the weights as they are.
     """
     joint = cloud.log_w + l
+    top = joint.max(axis=-1)
+    if np.isfinite(top).all():
+        w = np.exp(joint - top[..., None])
+        total = w.sum(axis=-1)
+        evidence = np.asarray(np.log(total) + top)
+        return Cloud(cloud.s, joint - evidence[..., None], w / total[..., None]), evidence
     evidence = log_sum(joint)
     known = np.isfinite(evidence)
-    if known.all():
-        return Cloud(cloud.s, joint - evidence[..., None]), evidence
     log_w = np.where(known[..., None], joint - np.where(known, evidence, 0.0)[..., None], cloud.log_w)
     return Cloud(cloud.s, log_w), evidence
 

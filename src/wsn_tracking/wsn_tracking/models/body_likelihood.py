@@ -94,6 +94,8 @@ class BodyLikelihood:
         if excess is not None:
             off = np.multiply(excess, scale[..., None], out=self._work.of('rest', shape))
             rest = np.subtract(rest, off, out=off)
+        if kind == 'single' and excess is None and w is None and not (self.kernel.dof or self.kernel.outlier):
+            return Scored(self._of_polynomial(curves.single, lg_d2, rest, scale, sigma, heard), None)
         if kind == 'single':
             e = self._energy(curves.single, lg_d2, rest, scale, self._work.of('e', shape))
             return self._of_energy(e, sigma, heard, w)
@@ -136,6 +138,15 @@ class BodyLikelihood:
         np.multiply(out, 2.0 / dof, out=out)
         np.log1p(out, out=out)
         return np.multiply(out, 0.5 * (dof + 1.0), out=out)
+
+    def _of_polynomial(self, curve: Any, L: Floats, rest: Floats, scale: Floats, sigma: Floats, heard: Any) -> Floats:
+        """Log-likelihood of normal noise about one curve, whose energies sum (a_i - b_i L_i)^2, two products with L."""
+        a, b = (rest - _column(curve.p_ref * scale))[..., 0], curve.k * LG_SQUARED * scale
+        square = np.multiply(L, L, out=self._work.of('e', L.shape))
+        linear = (np.asarray(a * b)[..., None, :] @ L)[..., 0, :]
+        quadratic = (np.asarray(b * b)[..., None, :] @ square)[..., 0, :]
+        constant = np.where(heard, self._log_constant(sigma), 0.0) - a * a
+        return np.asarray(constant.sum(axis=-1)[..., None] + 2.0 * linear - quadratic)
 
     def _log_constant(self, sigma: Floats) -> Floats:
         """log of that constant."""

@@ -42,7 +42,8 @@ def log_squared_distances(nodes: Geometry, s: Floats, work: Work) -> Floats:
     c[..., 2, :] = 1.0
     np.einsum('...ip,...ip->...p', x, x, out=c[..., 3, :])
     d2 = np.matmul(nodes.distance, c, out=work.of('distances', _shape(nodes, s)))
-    np.maximum(d2, nodes.least_squared, out=d2)
+    if d2.size and d2.min() < nodes.least_squared:  # looking is cheaper than clipping
+        np.maximum(d2, nodes.least_squared, out=d2)
     return np.log(d2, out=d2)
 
 

@@ -219,7 +219,7 @@ class HumanFilter:
             s[anew], log_w[anew] = new, -np.log(P)
             came_from = np.where(anew[..., None], came_from, np.arange(P))
         else:
-            s, log_w = equal(new)
+            s, log_w, _ = equal(new)
         return Cloud(s, log_w), descended(parents, came_from), V
 
     def _next(
