@@ -8,7 +8,7 @@ import pytest
 
 from wsn_tracking.bags.read import read
 from wsn_tracking.bags.save import save
-from wsn_tracking.benchmarks import bags, graph, nodes, serial, table
+from wsn_tracking.benchmarks import bags, graph, nodes, people, serial, table
 from wsn_tracking.cli import main
 from wsn_tracking.commands import bench
 from wsn_tracking.evaluation import benchmark_filter as filters
@@ -245,14 +245,32 @@ def test_a_peer_that_is_not_installed_is_said_and_not_fatal(monkeypatch):
         assert 'filterpy' in row.note
 
 
+def test_the_share_of_a_core_is_of_the_time_when_all_is_started():
+    """Two seconds at the start, then a twentieth."""
+    samples = [(float(t), 2.0 * min(t, 1) + 0.05 * t) for t in range(10)]
+    assert graph.share_of(samples) == pytest.approx(0.05)
+    assert graph.share_of(samples[:3]) is None
+    assert graph.share_of([]) is None
+
+
+def test_people_are_told_by_share_and_by_speed(monkeypatch):
+    played = graph.Played(40, 20.0, 3.0, 0.02)
+    asked = []
+    monkeypatch.setattr(people, 'play', lambda _graph, timeout, watch: asked.append((timeout, watch)) or played)
+    shares, speeds = people.rows(TINY._replace(walk_s=1.0))
+    assert (shares.ours, speeds.ours) == (2.0, 3.0)
+    assert {watch for _, watch in asked} == {'human_tracker'}
+
+
 def test_a_graph_that_cannot_start_is_said_and_not_fatal(monkeypatch):
     monkeypatch.setenv('AMENT_PREFIX_PATH', '')
     (row,) = graph.rows(TINY)
     assert row.ours is None
     assert 'not installed' in row.note
     monkeypatch.setattr(nodes, '_latency', lambda sizes: ())
-    (row,) = nodes.rows(TINY)
-    assert 'not installed' in row.note
+    for module in (nodes, people):
+        (row,) = module.rows(TINY)
+        assert 'not installed' in row.note
 
 
 def test_command_prints_the_table_and_writes_the_file(monkeypatch, tmp_path, capsys):

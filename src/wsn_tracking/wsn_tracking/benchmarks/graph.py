@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import re
 import signal
 import statistics
 import subprocess
 import tempfile
-from collections.abc import Iterable, Mapping, Sequence
+import time
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -23,6 +25,7 @@ from wsn_tracking.simulation.scenarios import scenario
 GROUP = 'graph'
 NODES, HERTZ = 12, 10.0
 BEHIND = 64  # epochs that the outputs may be behind the feed (their messages fit every queue): more, and it has to wait
+SAMPLED_EVERY = 0.25  # [s]
 LOAD = 2400.0  # [ranges/s]
 SENT = re.compile(r'sent (\d+) epochs in ([\d.]+) s \(([\d.]+) x real time\)')
 
@@ -33,16 +36,21 @@ class Played(NamedTuple):
     epochs: int
     seconds: float
     speed: float  # times real time
+    share: float | None = None  # of a core, that a process took which was watched
 
 
-def play(graph: Sequence[graphs.Process], timeout: float = 120.0) -> Played:
-    """Run a graph until its feed ends; TrackingError where the feed, or before it any other process, fails."""
+def play(graph: Sequence[graphs.Process], timeout: float = 120.0, watch: str = '') -> Played:
+    """Run a graph until its feed ends; TrackingError where the feed, or before it any other process, fails.
+
+    watch: name of a process whose CPU time is sampled meanwhile.
+    """
     running: dict[str, subprocess.Popen[str]] = {}
     feed = next(p.name for p in graph if p.name in processes.FEEDS)
     with tempfile.TemporaryDirectory(prefix='wsn_tracking_') as folder:
         try:
             for process in graph:
                 running[process.name] = _start(process, Path(folder))
+            samples = list(_watched(running[feed], running[watch])) if watch else []
             said, _ = running[feed].communicate(timeout=timeout)
             failed = {name: p.returncode for name, p in running.items() if p.poll()}
         except subprocess.TimeoutExpired:
@@ -52,7 +60,24 @@ def play(graph: Sequence[graphs.Process], timeout: float = 120.0) -> Played:
     found = SENT.search(said)
     if found is None or failed:
         raise TrackingError(f'the graph failed ({failed or feed}): {said[-500:]}')
-    return Played(int(found[1]), float(found[2]), float(found[3]))
+    return Played(int(found[1]), float(found[2]), float(found[3]), share_of(samples))
+
+
+def _watched(feed: subprocess.Popen[str], process: subprocess.Popen[str]) -> Iterator[tuple[float, float]]:
+    """Steady and CPU time of a process [s], until it or the feed ends; nothing where the system does not tell."""
+    with contextlib.suppress(OSError):
+        while feed.poll() is None:
+            yield time.monotonic(), processes.cpu_seconds(process.pid)
+            time.sleep(SAMPLED_EVERY)
+
+
+def share_of(samples: Sequence[tuple[float, float]]) -> float | None:
+    """Share of a core over the last two thirds, when all is started; None: too few samples."""
+    steady = samples[len(samples) // 3 :]
+    if len(steady) < 3:
+        return None
+    (t0, busy0), (t1, busy1) = steady[0], steady[-1]
+    return (busy1 - busy0) / (t1 - t0)
 
 
 def _start(process: graphs.Process, folder: Path) -> subprocess.Popen[str]:

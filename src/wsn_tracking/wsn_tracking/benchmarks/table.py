@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from wsn_tracking.benchmarks import bags, graph, nodes, serial
+from wsn_tracking.benchmarks import bags, graph, nodes, people, serial
 from wsn_tracking.evaluation import benchmark_consensus, benchmark_filter, benchmark_fusion, benchmark_particle
 from wsn_tracking.evaluation.benchmark_rows import Goal, Row, Sizes
 
@@ -26,13 +26,14 @@ GROUPS: Mapping[str, Callable[[Sizes], Iterable[Row]]] = {
         serial,
         graph,
         nodes,
+        people,
     )
 }
 PACKAGES = ('numpy', 'scipy', 'filterpy', 'stonesoup', 'particles', 'mcap-ros2-support')
 ALIGNED = '<><>><'
 HEADINGS = ('work', 'ours', 'peer', 'ratio', 'goal', '')
 FOOTNOTE = (
-    'CPU time, medians, contenders in turns in one process; graph and nodes: processes, and clock time but for CPU s.'
+    'CPU time, medians, contenders in turns in one process; from graph on: processes, and clock time but for CPU.'
 )
 
 

@@ -7,7 +7,7 @@ import sys
 
 from wsn_tracking.commands.base import Commands, add_command
 
-GROUPS = ('filter', 'fusion', 'consensus', 'particles', 'bags', 'serial', 'graph', 'nodes')
+GROUPS = ('filter', 'fusion', 'consensus', 'particles', 'bags', 'serial', 'graph', 'nodes', 'people')
 
 
 def add(commands: Commands) -> None:

@@ -20,6 +20,7 @@ class Sizes(NamedTuple):
     bag_s: float = 60.0  # recording at 10 Hz that is evaluated
     long_s: float = 3600.0  # recording at 1 Hz that is evaluated
     graph_s: float = 6.0  # for which the graph is fed
+    walk_s: float = 20.0  # that a person walks live
     latencies: int = 500  # messages
     starts: int = 5  # of each node
 
