@@ -139,7 +139,7 @@ def test_what_cannot_be_used_is_counted_and_changes_nothing():
         Range(stamp, 1, 2, 0, 100, Modality.ULTRASOUND, 1.0),
         Range(stamp, 1, 1, 0, 100, Modality.ULTRASOUND, -1.0),
         Range(stamp, 2, 1, 0, 100, Modality.ULTRASOUND, float('nan')),
-        RangeBearing(stamp, 3, 1, 0, 100, 1.0, 0.0, (1.0, 0.0, 0.0, 1.0)),
+        Rssi(stamp, 3, 1, 0, 100, float('nan')),
         Range(stamp - 2 * S, 4, 1, 0, 100, Modality.ULTRASOUND, 1.0),
     )
     dirty = [*epochs[:100], epochs[100]._replace(measurements=(*epochs[100].measurements, *junk)), *epochs[101:]]
@@ -147,6 +147,24 @@ def test_what_cannot_be_used_is_counted_and_changes_nothing():
     assert same(estimates, tracked(epochs)[1])
     counted = {k: tracker.counters[k] for k in ('unknown_node', 'other_target', 'unusable', 'late')}
     assert counted == {'unknown_node': 1, 'other_target': 1, 'unusable': 3, 'late': 1}
+
+
+def test_of_range_and_bearing_the_range_counts():
+    """What did not arrive is lost, not wrong."""
+    ranges = walk_of(LINE, each=2)
+    covariance = (0.02**2, 0.0, 0.0, 0.25)
+    seen = [
+        e._replace(
+            measurements=tuple(
+                RangeBearing(*p[:5], p.range, 0.3, covariance, arrived=p.node_id != 7) for p in e.measurements
+            )
+        )
+        for e in ranges
+    ]
+    without = [e._replace(measurements=tuple(p for p in e.measurements if p.node_id != 7)) for e in ranges]
+    tracker, estimates = tracked(seen)
+    assert same(estimates, tracked(without)[1])
+    assert not [name for name in ('unusable', 'gated', 'late') if tracker.counters[name]]
 
 
 def test_an_epoch_of_another_target_is_refused():

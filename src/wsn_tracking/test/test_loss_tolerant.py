@@ -158,7 +158,6 @@ WRONG = [
     Range(0, 1, 1, 9, 9, Modality.UWB, 1e9),
     Range(0, 1, 1, 9, 9, Modality.UWB, 5.0, -1.0),
     Range(0, 1, 1, 9, 9, Modality.UWB, 5.0, 1e-100),
-    RangeBearing(0, 1, 1, 9, 9, NAN, 0.1, (1.0, 0.0, 0.0, 1.0)),
 ]
 
 
@@ -181,14 +180,15 @@ def test_an_unknown_node_is_dropped_and_counted():
 
 
 def test_a_bearing_beside_a_range_is_left_aside():
-    """And one that did not arrive is lost, not wrong."""
+    """And one that did not arrive is lost, not wrong; nor is a bearing alone."""
     place = np.array([30.0, 40.0])
     d = np.hypot(*(place - ANCHORS.positions[:, :2]).T).tolist()
     ranges = [Range(0, i + 1, 1, 0, 0, Modality.OTHER, r, 0.04) for i, r in enumerate(d)]
     seen = [RangeBearing(0, i + 1, 1, 0, 0, r, 0.3, (0.04, 0.0, 0.0, 1.0)) for i, r in enumerate(d)]
     lost = seen[3]._replace(arrived=False, range=NAN, bearing=NAN)
-    one, _ = tracked(LossTolerantConfig(), [Epoch(1, 0, 0, (*ranges[:3], *ranges[4:]))])
-    other, tracker = tracked(LossTolerantConfig(), [Epoch(1, 0, 0, (*seen[:3], lost, *seen[4:]))])
+    alone = seen[4]._replace(range=NAN)
+    one, _ = tracked(LossTolerantConfig(), [Epoch(1, 0, 0, (*ranges[:3], *ranges[5:]))])
+    other, tracker = tracked(LossTolerantConfig(), [Epoch(1, 0, 0, (*seen[:3], lost, alone, *seen[5:]))])
     assert differences(one, other) == []
     assert not tracker.counters
     assert other[0].mean[:2] == pytest.approx(place, abs=0.5)

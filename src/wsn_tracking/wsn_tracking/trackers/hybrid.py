@@ -15,6 +15,7 @@ from wsn_tracking.filters.start import area_of
 from wsn_tracking.models.anchors import Anchors
 from wsn_tracking.models.motion import constant_velocity
 from wsn_tracking.models.region import region_of
+from wsn_tracking.sensing.average import without_bearings
 from wsn_tracking.sensing.channel import calibrated
 from wsn_tracking.sensing.values import Epoch
 from wsn_tracking.trackers import hybrid_literal as literal
@@ -75,6 +76,7 @@ class HybridTracker:
                 f'an epoch of target {epoch.target_id} was given to the tracker of target {self.target_id}: '
                 'every target has a tracker of its own'
             )
+        epoch = without_bearings(epoch)
         if self._begun_ns is None:
             self._begun_ns = epoch.stamp_ns
         used = tuple(sorted({d.node_id for d in self._heard_in(epoch)}))

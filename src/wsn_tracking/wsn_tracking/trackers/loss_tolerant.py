@@ -16,9 +16,9 @@ from wsn_tracking.filters.start import Sight, area_of, likelihood_start
 from wsn_tracking.models.anchors import Anchors
 from wsn_tracking.models.motion import TURNING_STATES
 from wsn_tracking.models.region import region_of
-from wsn_tracking.sensing.average import usable
+from wsn_tracking.sensing.average import usable, without_bearings
 from wsn_tracking.sensing.channel import calibrated
-from wsn_tracking.sensing.values import Epoch, Measurement, Modality, Range, RangeBearing
+from wsn_tracking.sensing.values import Epoch, Measurement
 from wsn_tracking.trackers.estimate import Estimate, Kind
 from wsn_tracking.trackers.loss_tolerant_config import LossTolerantConfig
 from wsn_tracking.trackers.random_q import keep_inside
@@ -103,7 +103,7 @@ class LossTolerantTracker:
 
     def _read(self, epoch: Epoch) -> Readings:
         """The readings of an epoch over all nodes; `hold` fills in what a lost node told last."""
-        packets = [as_range(p) for p in epoch.measurements if not isinstance(p, RangeBearing) or p.arrived]
+        packets = without_bearings(epoch).measurements
         known = [p for p in packets if p.node_id in self._known]
         arrived = [p for p in known if usable(p)]
         self._count('unknown_node', len(packets) - len(known))
@@ -187,10 +187,3 @@ class LossTolerantTracker:
 
     def _turning(self, planar: Belief) -> Belief:
         return with_turn(planar, math.radians(self.config.start.turn))
-
-
-def as_range(packet: Measurement) -> Measurement:
-    """The range of a packet that has a bearing as well, which this system does not use."""
-    if not isinstance(packet, RangeBearing):
-        return packet
-    return Range(*packet[:5], Modality.OTHER, packet.range, packet.covariance[0])
