@@ -152,6 +152,8 @@ def test_a_wrong_call_ends_with_2_and_says_what_was_expected(call, arguments, wo
         ('evaluate BAGS/ranged --set input=rssi', '`input` is rssi, but the bag enters at level range'),
         ('simulate a_loop -o BAGS/first', 'BAGS/first exists: name another folder or remove it'),
         ('simulate a_loop -o /proc/x', '/proc/x cannot be written'),
+        ('replay BAGS/first --record BAGS/first', 'BAGS/first exists: name another folder or remove it'),
+        ('replay BAGS/first --record /proc/x/y', '/proc/x/y cannot be made'),
         ('import danis BAGS/none -o BAGS/x', 'BAGS/none'),
         ('calibrate BAGS/none -o BAGS/x', 'BAGS/none'),
     ],

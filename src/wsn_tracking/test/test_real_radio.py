@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -15,6 +16,8 @@ from wsn_tracking.configuration import load_configuration
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.evaluation import study
 from wsn_tracking.real_radio import __main__ as command
+from wsn_tracking.real_radio import found_again as again
+from wsn_tracking.real_radio import left_out as leaving
 from wsn_tracking.real_radio import tables
 from wsn_tracking.real_radio.sets import SETS, Sets, find
 
@@ -84,7 +87,8 @@ def test_every_rung_of_the_ladder_switches_one_thing_on(sets, monkeypatch):
     monkeypatch.setattr(tables, 'central', lambda _bags, _name, settings: asked.append(settings) or {'rmse_m': 1.0})
     result = tables.kolakowski(sets)
     off = [set(settings) & set(tables.OFF) for settings in asked if 'noise.spectral_density' not in settings]
-    assert off[:4] == [
+    assert off[:5] == [
+        {'noise.velocity_time', 'update.kind', 'robust.dof', 'robust.offset_std', 'update.kappa'},
         {'update.kind', 'robust.dof', 'robust.offset_std', 'update.kappa'},
         {'robust.dof', 'robust.offset_std', 'update.kappa'},
         {'robust.offset_std', 'update.kappa'},
@@ -100,7 +104,7 @@ def test_every_rung_of_the_ladder_switches_one_thing_on(sets, monkeypatch):
 def test_what_is_switched_off_is_on_in_the_configurations():
     for name in ('danis_central', 'kolakowski'):
         values = load_configuration(name).of('estimator_1')
-        for switch in ('update.kind', 'robust.dof', 'robust.offset_std'):
+        for switch in ('noise.velocity_time', 'update.kind', 'robust.dof', 'robust.offset_std'):
             assert values[switch] != tables.OFF[switch]
 
 
@@ -152,6 +156,52 @@ def test_what_cannot_be_made_is_refused_in_one_line(data, tmp_path, capsys, name
     told = capsys.readouterr().err.strip().split('\n')
     assert said in told[-2]
     assert 'is no folder: the one that holds the recordings is expected' in told[-1]
+
+
+def test_a_track_that_starts_in_the_wrong_corner_is_given_up_for_the_right_place(sets, monkeypatch):
+    monkeypatch.setattr(again, 'WRONG_S', (5.0, 18.0))
+    bags = sets.bags('kolakowski')
+    kept, found = (again.from_wrong_start(bags, 'kolakowski', {'reacquire.odds': odds}) for odds in (0.0, 4.0))
+    assert kept['epochs'] == found['epochs'] == 39
+    assert found['rmse_m'] < kept['rmse_m']
+
+
+def test_nothing_is_heard_in_a_gap(sets, monkeypatch):
+    """Whatever is done about it, a track without readings is worse after ten seconds than one with them."""
+    bags = sets.bags('kolakowski')
+    monkeypatch.setattr(again, 'AFTER_S', 0.7)
+    monkeypatch.setattr(again, 'EVERY_S', 16.0)
+    errors = []
+    for gap in (0.0, 12.0):
+        monkeypatch.setattr(again, 'GAP_S', gap)
+        errors.append(again.after_gaps(bags, 'kolakowski', {})['rmse_m'])
+    assert errors[0] < errors[1]
+
+
+def test_a_track_is_scored_with_what_the_others_would_have_chosen(sets, monkeypatch):
+    """Of two tracks each takes what suits the other one."""
+    errors = {'a': (1.0, 3.0), 'b': (2.0, 1.0)}
+    bags = sets.bags('kolakowski')
+    twice = bags._replace(opened=[*bags.opened, *bags.opened])
+
+    def of_tracks(_bags, _name, settings):
+        return [{'local_1': SimpleNamespace(rmse_m=error)} for error in errors[settings['tried']]]
+
+    def pool(scores):
+        return SimpleNamespace(rmse_m=float(np.sqrt(np.mean([score.rmse_m**2 for score in scores]))))
+
+    monkeypatch.setattr(leaving, 'of_tracks', of_tracks)
+    monkeypatch.setattr(leaving, 'pool', pool)
+    told = leaving.left_out(twice, 'any', {'c': {}}, {name: {'tried': name} for name in errors}, ('local_1',))
+    assert told['c']['local_1'] == {'rmse_m': 2.55, 'least_m': 1.581, 'most_m': 2.236}  # 2 and 3; 2 and 1; 1 and 3
+
+
+def test_the_settings_that_are_tried_lie_about_the_configured_one():
+    names = {'noise.spectral_density': leaving.DENSITIES, 'noise.velocity_time': leaving.TIMES}
+    values = load_configuration('danis_central').of('estimator_1')
+    for name, tried in {**names, 'robust.offset_std': leaving.OFFSETS}.items():
+        assert values[name] == tried[1]
+    assert len(leaving.candidates()) == 27
 
 
 # --- the goals, where the recordings are at hand

@@ -14,6 +14,7 @@ from wsn_tracking.filters.cubature import points, regress
 from wsn_tracking.filters.linalg import matvec, transpose, tria
 from wsn_tracking.filters.robust import gated, student_t, with_offsets
 from wsn_tracking.filters.srckf import predict, update
+from wsn_tracking.models.anchors import make_anchors
 from wsn_tracking.models.measurement import constant_noise
 from wsn_tracking.models.motion import constant_velocity
 from wsn_tracking.models.noise import white_acceleration
@@ -297,3 +298,33 @@ def test_log_and_iplf_estimators_run_with_every_option():
         for k in range(30):
             last = track.step(epoch(k, some_silent(rng, ranges(k, rng), 0.4)))
         assert np.hypot(*(last.mean - LOOP.truth[29])[:2]) < 0.3
+
+
+@pytest.mark.parametrize('std', [0.1, 0.5])
+def test_a_track_in_the_wrong_place_is_found_anew_and_no_other(std):
+    """Set off in the wrong corner, sure of it, with ranges that it takes for worse than they are: no gate rejects any."""
+    rng = np.random.default_rng(10)
+    wrong = StartConfig(kind='given', mean=(3.4, 2.2, 0.0, 0.0), std=(0.05, 0.05, 0.01, 0.01))
+    odds = ReacquireConfig(odds=4.0, window=4.0)
+    astray, right = estimator(start=wrong, reacquire=odds), estimator(reacquire=odds)
+    for k in range(60):
+        given = epoch(k, H(LOOP.truth[k]) + std * rng.standard_normal(12), variance=0.7**2)
+        found, kept = astray.step(given), right.step(given)
+        assert kept.kind == Kind.LOCAL
+        assert (found.kind == Kind.START) == (k == 4)
+        assert k < 4 or np.hypot(*(found.mean - LOOP.truth[k])[:2]) < 1.0
+    assert astray.counters == {'reacquired_elsewhere': 1}
+    assert right.counters == {}
+
+
+def test_several_places_that_suit_equally_are_no_reason_to_leave_the_track():
+    """Two nodes leave two places; their middle suits none."""
+    anchors = make_anchors([1, 2], [[0.0, 0.0], [4.0, 0.0]])
+    start = StartConfig(kind='given', mean=(2.0, 1.5, 0.0, 0.0), std=(0.1, 0.1, 0.01, 0.01))
+    config = RandomQConfig(start=start, noise=NoiseConfig(kind='acceleration'), reacquire=ReacquireConfig(odds=0.5))
+    track = LocalEstimator(config, anchors, 1)
+    for k in range(20):
+        heard = tuple(Range(k * 10**9, i, 1, k, k, Modality.UWB, 2.5, 0.01) for i in (1, 2))
+        estimate = track.step(Epoch(1, k, k * 10**9, heard))
+    np.testing.assert_allclose(estimate.mean[:2], [2.0, 1.5], atol=0.05)
+    assert track.counters == {}

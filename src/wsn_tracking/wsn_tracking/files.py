@@ -22,6 +22,18 @@ def read_whole(path: str | Path) -> bytes:
     return content
 
 
+def check_new_folder(path: str | Path) -> None:
+    """Raise TrackingError where a folder of that name is there, or cannot be made."""
+    wanted = Path(path)
+    try:
+        wanted.mkdir(parents=True)
+        wanted.rmdir()
+    except FileExistsError:
+        raise TrackingError(f'{wanted} exists: name another folder or remove it') from None
+    except OSError as error:
+        raise TrackingError(f'{wanted} cannot be made ({error.strerror}): name a folder in one that you own') from error
+
+
 def write_whole(path: str | Path, content: bytes) -> None:
     """Write a file through a neighbour that is renamed, so that nobody ever reads half of it.
 

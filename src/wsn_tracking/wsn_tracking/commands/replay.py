@@ -9,7 +9,7 @@ from typing import Any
 
 from wsn_tracking import graphs
 from wsn_tracking.commands.base import Commands, add_bag, add_command, add_tracking, rate, settings
-from wsn_tracking.errors import TrackingError
+from wsn_tracking.files import check_new_folder
 
 
 def add(commands: Commands) -> None:
@@ -41,8 +41,8 @@ def _record(options: argparse.Namespace) -> dict[str, Any] | None:
 def _do(options: argparse.Namespace) -> int:
     from wsn_tracking.processes import run_graph
 
-    if options.record and Path(options.record).exists():
-        raise TrackingError(f'{options.record} exists: name another folder or remove it')
+    if options.record:
+        check_new_folder(options.record)
     evaluator: dict[str, Any] = {'skip': options.skip}
     for name in ('json', 'plot'):
         if getattr(options, name):

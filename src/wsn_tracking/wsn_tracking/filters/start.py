@@ -52,7 +52,7 @@ def likelihood_start(sights: Sequence[Sight], area: Area, speed_std: float, cell
     grid = np.stack(np.meshgrid(x, y, indexing='ij'), axis=-1).reshape(-1, 2)
     log_p = np.zeros((x.size, y.size))
     for sight in sights:
-        log_p += _blurred(_log_likelihood(sight, grid).reshape(log_p.shape), x, y, speed_std * sight.age)
+        log_p += _blurred(log_likelihood(sight, grid).reshape(log_p.shape), x, y, speed_std * sight.age)
     p = np.exp(log_p - log_p.max()).ravel()
     if len(area) > 4 and (inside := floor.contains(grid)).any():
         p = np.where(inside, np.maximum(p, TINY), 0.0)
@@ -71,7 +71,7 @@ def _centres(low: float, high: float, cell: float) -> Floats:
     return np.arange(low + cell / 2.0, high, cell) if cell / 2.0 < high - low else np.array([0.5 * (low + high)])
 
 
-def _log_likelihood(sight: Sight, grid: Floats) -> Floats:
+def log_likelihood(sight: Sight, grid: Floats) -> Floats:
     """Log likelihood of an epoch at positions (C, 2), but for a constant, (C,)."""
     std = sight.noise(grid)
     terms = 0.5 * ((sight.z - sight.h(grid)) / std) ** 2 + np.log(std)

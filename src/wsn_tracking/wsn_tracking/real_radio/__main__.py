@@ -18,12 +18,13 @@ from pathlib import Path
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.evaluation import study
 from wsn_tracking.real_radio.found_again import TABLES as FOUND_AGAIN
+from wsn_tracking.real_radio.left_out import TABLES as LEFT_OUT
 from wsn_tracking.real_radio.lost import TABLES as SYSTEM_E
 from wsn_tracking.real_radio.people import TABLES as SYSTEM_C
 from wsn_tracking.real_radio.sets import Sets
 from wsn_tracking.real_radio.tables import TABLES as SYSTEM_A
 
-TABLES = {**SYSTEM_A, **FOUND_AGAIN, **SYSTEM_C, **SYSTEM_E}
+TABLES = {**SYSTEM_A, **FOUND_AGAIN, **LEFT_OUT, **SYSTEM_C, **SYSTEM_E}
 COMMAND = 'python -m wsn_tracking.real_radio DATA -o docs/results'
 
 

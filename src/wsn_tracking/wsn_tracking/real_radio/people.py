@@ -8,10 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from wsn_tracking.evaluation.run import summarise
-from wsn_tracking.evaluation.score import Score, pool
-from wsn_tracking.offline import offline
+from wsn_tracking.evaluation.score import pool
 from wsn_tracking.parameters import Values
+from wsn_tracking.real_radio.left_out import Scores, left_out, of_tracks
 from wsn_tracking.real_radio.sets import SETS, Bags, Sets, find
 from wsn_tracking.real_radio.tables import Result, figures
 
@@ -33,14 +32,6 @@ SEEDS = (0, 1, 2, 3, 4)
 NOISES = ((3.0, 4.0), (4.0, 4.5), (5.0, 5.0))  # degrees of freedom, [dB]
 OFFSETS = ((2.0, 3.0), (2.5, 5.0), (3.0, 10.0))  # [dB], [s]
 STEPS = (0.5, 0.7, 0.9)  # [m/sqrt(s)]
-
-Scores = Sequence[Mapping[str, Score]]  # of each track, by output
-
-
-def of_tracks(bags: Bags, configuration: str, settings: Values) -> Scores:
-    """Each track by itself."""
-    runs = [(*bag, offline(*bag, configuration, settings)) for bag in bags.opened]
-    return [summarise(source.title, recording, run, bags.skip_s).outputs for source, recording, run in runs]
 
 
 def told(scores: Scores, titles: Sequence[str]) -> Result:
@@ -94,37 +85,6 @@ def candidates() -> Mapping[str, Values]:
     }
 
 
-def left_out(bags: Bags, configuration: str, channels: Mapping[str, Values]) -> Result:
-    """Each track with the setting that is best on the others, by the sum of both outputs' pooled RMSE and channels.
-
-    `least` and `most` are the pooled RMSE of the best and of the worst of all candidates on all tracks.
-    """
-    found = {
-        name: {channel: of_tracks(bags, configuration, {**given, **setting}) for channel, given in channels.items()}
-        for name, setting in candidates().items()
-    }
-
-    def cost(name: str, kept: Sequence[int]) -> float:
-        return sum(
-            pool([scores[i][output] for i in kept]).rmse_m for scores in found[name].values() for output in OUTPUTS
-        )
-
-    every = range(len(bags.opened))
-    chosen = [min(found, key=lambda name: cost(name, [k for k in every if k != i])) for i in every]
-    result: Result = {'chosen': {bags.opened[i][0].title: name for i, name in enumerate(chosen)}}
-    for channel in channels:
-        result[channel] = {}
-        for output in OUTPUTS:
-            all_ = [pool([scores[i][output] for i in every]).rmse_m for scores in (f[channel] for f in found.values())]
-            apart = pool([found[name][channel][i][output] for i, name in enumerate(chosen)]).rmse_m
-            result[channel][output] = {
-                'rmse_m': round(apart, 3),
-                'least_m': round(min(all_), 3),
-                'most_m': round(max(all_), 3),
-            }
-    return result
-
-
 def _channels(bags: Bags) -> dict[str, Values]:
     return {'path_loss': {'channel': bags.channel}, 'radio_map': {'channel': bags.with_map}}
 
@@ -141,7 +101,7 @@ def danis_human(sets: Sets) -> Result:
 def danis_human_left_out(sets: Sets) -> Result:
     """The same, each track with the setting that the three others would have chosen."""
     bags = sets.bags('danis')
-    return left_out(bags, 'human_danis', _channels(bags))
+    return left_out(bags, 'human_danis', _channels(bags), candidates(), OUTPUTS)
 
 
 def kolakowski_human(sets: Sets) -> Result:

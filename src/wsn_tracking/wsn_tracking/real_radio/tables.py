@@ -19,17 +19,24 @@ from wsn_tracking.real_radio.sets import Bags, Sets
 Result = dict[str, Any]
 
 # What is switched off at first, and then on again in this order.
-OFF: Mapping[str, Any] = {'update.kind': 'ckf', 'robust.dof': 0.0, 'robust.offset_std': 0.0, 'update.kappa': 0.0}
+OFF: Mapping[str, Any] = {
+    'noise.velocity_time': 0.0,
+    'update.kind': 'ckf',
+    'robust.dof': 0.0,
+    'robust.offset_std': 0.0,
+    'update.kappa': 0.0,
+}
 LADDER = (
     ('gaussian_ckf', ()),
-    ('iterated', ('update.kind',)),
-    ('student_t', ('update.kind', 'robust.dof')),
-    ('drifting_offsets', ('update.kind', 'robust.dof', 'robust.offset_std')),
+    ('forgotten_velocity', ('noise.velocity_time',)),
+    ('iterated', ('noise.velocity_time', 'update.kind')),
+    ('student_t', ('noise.velocity_time', 'update.kind', 'robust.dof')),
+    ('drifting_offsets', ('noise.velocity_time', 'update.kind', 'robust.dof', 'robust.offset_std')),
 )
 KAPPA = {'update.kappa': 2.0}
 GATE = {'robust.gate': 3.0, 'reacquire.rejects': 8}
 STUDENT_T = {'robust.dof': 5.0, 'update.kind': 'iplf'}
-DENSITIES = (0.003, 0.01, 0.03, 0.1, 0.3)  # [m^2/s^3] that every rung of the ladder may choose from
+DENSITIES = (0.01, 0.03, 0.1, 0.3, 1.0)  # [m^2/s^3] that every rung of the ladder may choose from
 
 
 def tracked(bags: Bags, configuration: str, settings: Values) -> Summary:
@@ -69,12 +76,8 @@ def of_signal_strengths(bags: Bags, configuration: str) -> Result:
     rungs['kappa_2'] = KAPPA
     result = {}
     for name, settings in rungs.items():
-        tried = {d: central(bags, configuration, {**settings, 'noise.spectral_density': d}) for d in DENSITIES}
-        best = min(tried, key=lambda d: float(tried[d]['rmse_m']))
-        result[name] = {
-            **central(bags, configuration, settings),
-            'best_of_densities': {'spectral_density': best, **tried[best]},
-        }
+        best = best_of_densities(bags, configuration, settings)
+        result[name] = {**central(bags, configuration, settings), 'best_of_densities': best}
     others: Mapping[str, Values] = {
         'as_configured': {},
         'calibrated_path_loss': {'channel': bags.channel},
@@ -82,7 +85,19 @@ def of_signal_strengths(bags: Bags, configuration: str) -> Result:
         'tried_gate_3': GATE,
         'tried_without_area': {'area': []},
     }
-    return {**result, **{name: central(bags, configuration, settings) for name, settings in others.items()}}
+    kept = {'noise.velocity_time': 0.0, 'channel': bags.with_map}
+    return {
+        **result,
+        **{name: central(bags, configuration, settings) for name, settings in others.items()},
+        'tried_radio_map_velocity_kept': best_of_densities(bags, configuration, kept),
+    }
+
+
+def best_of_densities(bags: Bags, configuration: str, settings: Values) -> Result:
+    """Figures with the spectral density of DENSITIES that suits the settings best."""
+    tried = {d: central(bags, configuration, {**settings, 'noise.spectral_density': d}) for d in DENSITIES}
+    best = min(tried, key=lambda d: float(tried[d]['rmse_m']))
+    return {'spectral_density': best, **tried[best]}
 
 
 def of_ranges(bags: Bags, configuration: str) -> Result:

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 
 from wsn_tracking.errors import TrackingError
+from wsn_tracking.files import read_whole
 from wsn_tracking.models.region import Region, region
 
 HEADER = 'x,y'
@@ -18,7 +17,7 @@ def read_floor_plan(path: str) -> Region:
     Raises TrackingError where the file cannot be read or a line is no corner.
     """
     try:
-        lines = Path(path).read_text('utf-8-sig').splitlines()
+        lines = read_whole(path).decode('utf-8-sig').splitlines()
     except (OSError, UnicodeDecodeError) as error:
         raise TrackingError(f'floor plan {path} cannot be read: {error}') from error
     rings: list[list[tuple[float, float]]] = [[]]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections import Counter, deque
+from collections import Counter
 from itertools import compress
 
 import numpy as np
@@ -11,7 +11,7 @@ from wsn_tracking.filters import srckf
 from wsn_tracking.filters.belief import Belief
 from wsn_tracking.filters.linalg import tria
 from wsn_tracking.filters.robust import gated, student_t, with_offsets
-from wsn_tracking.filters.start import Sight, area_of, likelihood_start
+from wsn_tracking.filters.start import area_of
 from wsn_tracking.models.anchors import Anchors, Floats
 from wsn_tracking.models.draws import Stream
 from wsn_tracking.models.measurement import POSITION, Function
@@ -22,6 +22,7 @@ from wsn_tracking.models.radio_map import RadioMap
 from wsn_tracking.models.region import kept_inside
 from wsn_tracking.sensing.values import Epoch
 from wsn_tracking.trackers.estimate import PLANAR_STATES, Estimate, Kind
+from wsn_tracking.trackers.lookback import Lookback
 from wsn_tracking.trackers.random_q_config import NoiseConfig, RandomQConfig
 from wsn_tracking.trackers.readings import MeasurementTable, Readings
 
@@ -103,14 +104,14 @@ class LocalEstimator:
         self.number = number
         self._draws = Stream(config.seed, ESTIMATORS + number)
         self.table = MeasurementTable(anchors, config.target_height, config.update, radio_map)
-        self._area = tuple(config.area) or area_of(anchors)
+        self._lately = Lookback(tuple(config.area) or area_of(anchors), config.start.speed)
         self.counters: Counter[str] = Counter()
         self.reset()
 
     def reset(self) -> None:
         """Forget the past: as after a start."""
         start = self.config.start
-        self._sights: deque[tuple[int, Sight]] = deque()
+        self._lately.clear()
         self._starting = start.kind == 'likelihood'
         self._belief = self._extended(Belief(np.array(start.mean), np.diag(np.array(start.std))))
         self._stamp_ns: int | None = None
@@ -163,14 +164,25 @@ class LocalEstimator:
         """One step of the filter, or a new start where it has rejected what it hears for too long."""
         dt = 0.0 if self._stamp_ns is None else max(stamp_ns - self._stamp_ns, 0) * 1e-9
         predicted = predict_step(self._belief, dt, np.asarray(q), self.config)
-        self._remember(stamp_ns, readings)
         accepted = self._gate(predicted, readings)
-        if self.config.reacquire.rejects and self._rejects >= self.config.reacquire.rejects:
-            self.counters['reacquired_after_rejects'] += 1
-            self._rejects = 0
-            return self._from_sights(stamp_ns), Kind.START, readings
         z, h, noise, _ = accepted
-        return update_step(predicted, z, h, noise, self.config), Kind.LOCAL, accepted
+        updated = update_step(predicted, z, h, noise, self.config)
+        if why := self._why_anew(stamp_ns, readings, updated):
+            self.counters[why] += 1
+            self._rejects = 0
+            return self._found(stamp_ns), Kind.START, readings
+        return updated, Kind.LOCAL, accepted
+
+    def _why_anew(self, stamp_ns: int, readings: Readings, updated: Belief) -> str:
+        """Why the track is to be found anew from what was heard lately; empty: it is not."""
+        rejects, odds, window = self.config.reacquire.rejects, self.config.reacquire.odds, self.config.reacquire.window
+        if not (rejects or odds):
+            return ''
+        self._lately.add(stamp_ns, readings, updated.m[:PLANAR])
+        self._lately.keep(stamp_ns, window)
+        if rejects and self._rejects >= rejects:
+            return 'reacquired_after_rejects'
+        return 'reacquired_elsewhere' if odds and self._lately.contradicts(stamp_ns, window, odds) else ''
 
     def _gate(self, predicted: Belief, readings: Readings) -> Readings:
         """The readings without those that are too far from their prediction, which are counted."""
@@ -194,31 +206,20 @@ class LocalEstimator:
 
     def _start_anew(self, why: str) -> None:
         self.counters[why] += 1
-        self._sights.clear()
+        self._lately.clear()
         self._starting = True
-
-    def _remember(self, stamp_ns: int, readings: Readings) -> None:
-        """Keep what was heard within the window of a new start."""
-        if not self.config.reacquire.rejects:
-            return
-        self._sights.append((stamp_ns, Sight(0.0, readings.z, readings.h, readings.noise)))
-        while (stamp_ns - self._sights[0][0]) * 1e-9 > self.config.reacquire.window:
-            self._sights.popleft()
 
     def _find_start(self, stamp_ns: int, readings: Readings) -> Belief:
         """The likelihood over the area of all that was heard so far; ends with the epoch that completes it."""
-        if readings.ids:
-            self._sights.append((stamp_ns, Sight(0.0, readings.z, readings.h, readings.noise)))
-        belief = self._from_sights(stamp_ns)
-        self._starting = len(self._sights) < self.config.start.epochs
+        self._lately.add(stamp_ns, readings, np.zeros(PLANAR))
+        belief = self._found(stamp_ns)
+        self._starting = len(self._lately) < self.config.start.epochs
         if not self._starting:
-            self._sights.clear()
+            self._lately.clear()
         return belief
 
-    def _from_sights(self, stamp_ns: int) -> Belief:
-        aged = [s._replace(age=(stamp_ns - then) * 1e-9) for then, s in self._sights]
-        belief = likelihood_start(aged, self._area, self.config.start.speed)
-        return keep_inside(self._extended(belief), self.config.area)
+    def _found(self, stamp_ns: int) -> Belief:
+        return keep_inside(self._extended(self._lately.place(stamp_ns)), self.config.area)
 
     def _extended(self, belief: Belief) -> Belief:
         """The belief with an offset a link, where they are modelled."""

@@ -66,6 +66,14 @@ class ReacquireConfig:
 
     silence: float = param(0.0, 'nothing usable heard for longer: start anew; 0: never', 's', 0.0, 1e6)
     rejects: int = param(0, 'epochs in a row with most readings gated: start anew; 0: never', '', 0, 10000)
+    odds: float = param(
+        0.0,
+        'log odds with which what was heard within `window`, counted as one epoch, speaks for another place than '
+        'the track: beyond, start there; 0: never',
+        '',
+        0.0,
+        1e6,
+    )
     window: float = param(3.0, 'how far back the new start looks', 's', 0.0, 1e6)
 
 
