@@ -358,7 +358,7 @@ def test_nonsense_leaves_finite_bounded_estimates(profile, kind):
     if kind == 'impossible':
         assert tracker.counters['unusable'] == 4 * 6
     if kind == 'strangers':
-        assert (tracker.counters['unknown_node'], tracker.counters['unusable']) == (6, 6)
+        assert (tracker.counters['unknown_node'], tracker.counters['unusable']) == (6, 0)
 
 
 @PROFILE

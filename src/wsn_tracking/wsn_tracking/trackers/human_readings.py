@@ -11,7 +11,7 @@ from wsn_tracking.models.anchors import Anchors
 from wsn_tracking.models.body import Curve, Curves
 from wsn_tracking.models.body_likelihood import Readings
 from wsn_tracking.models.radio import LN10_10
-from wsn_tracking.sensing.average import usable
+from wsn_tracking.sensing.average import usable, without_bearings
 from wsn_tracking.sensing.channel import Body
 from wsn_tracking.sensing.values import Epoch, Modality, Range, Rssi
 from wsn_tracking.trackers.human_config import HumanConfig
@@ -41,7 +41,7 @@ class SignalTable:
         z = np.full(self._anchors.ids.size, np.nan)
         sigma = self._anchors.sigma_db.copy()
         bodiless = np.zeros(z.size, dtype=np.bool_)
-        for p in epoch.measurements:
+        for p in without_bearings(epoch).measurements:
             row = self._rows.get(p.node_id)
             if row is None or not usable(p) or not isinstance(p, (Rssi, Range)):
                 self._counters['unknown_node' if row is None else 'unusable'] += 1
