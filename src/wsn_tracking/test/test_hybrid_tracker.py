@@ -216,6 +216,21 @@ def test_a_target_that_was_carried_elsewhere_is_found_there():
     assert tracker.counters['gated'] == 0
 
 
+@pytest.mark.parametrize('seed', [11, 12])
+def test_when_two_targets_change_ids_each_track_goes_over_within_a_second(seed):
+    """15 gated ranges are a share that no luck explains; then least squares finds the other one."""
+    own = [recorded('d_phase', seed, target, lasts=14.0) for target in (1, 2)]
+    renamed = [
+        e._replace(target_id=1, measurements=tuple(p._replace(target_id=1) for p in e.measurements))
+        for e in own[1][0][160:]
+    ]
+    tracker, estimates = tracked([*own[0][0][:160], *renamed])
+    off = errors(estimates, np.concatenate([own[0][1][:160], own[1][1][160:]]))
+    assert (tracker.counters['rejected'], tracker.counters['reacquired']) == (1, 1)
+    assert off[20:160].max() < 0.15
+    assert off[180:].max() < 0.15
+
+
 def test_a_track_that_its_ranges_do_not_fit_is_given_up():
     """Ranges that are 0.15 m wrong, to and fro, pass the gate each by itself."""
     right = walk_of(RESTING)
