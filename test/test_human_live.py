@@ -1,0 +1,89 @@
+"""The human tracker as a process: what must not break it, and a person whose worn node reports over the serial line."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from nav_msgs.msg import Odometry
+from wsn_tracking_msgs import msg
+
+import live
+from observer import observing
+from wsn_tracking import graphs
+from wsn_tracking.models.anchors import make_anchors
+from wsn_tracking.nodes import convert, qos
+from wsn_tracking.sensing.values import EpochEnd, Request, Rssi
+from wsn_tracking.trackers.estimate import check_usable
+
+TIMEOUT = 120.0
+SECOND = 1_000_000_000
+START = 1_500_000_000 * SECOND
+CORNERS = [[0.0, 0.0], [10.0, 0.0], [10.0, 10.0], [0.0, 10.0]]
+LIKELY = (-60.0, -62.0, -64.0, -62.0)
+
+# What is heard in an epoch, by node, and how much later than the epoch before it is [s].
+EPOCHS = [
+    *[(dict(enumerate(LIKELY, 1)), 0.5)] * 3,
+    ({}, 0.5),
+    ({2: -60.0}, 0.5),
+    ({1: 127.0, 2: -128.0, 3: 127.0, 4: -128.0}, 0.5),
+    ({1: math.nan, 2: math.inf, 3: -math.inf}, 0.5),
+    (dict(enumerate(LIKELY, 1)), 0.0),
+    (dict(enumerate(LIKELY, 1)), -0.3),
+    ({1: -126.0, 2: -126.0, 3: -126.0, 4: -126.0}, 0.8),
+    (dict(enumerate(LIKELY, 1)), 3600.0),
+    ({99: -50.0, 1: -55.0}, 0.5),
+    (dict(enumerate(LIKELY, 1)), -3600.0),
+    (dict(enumerate(LIKELY, 1)), 0.5),
+]
+
+
+@pytest.mark.parametrize('places', [CORNERS, [[3.0, 3.0]] * 4], ids=['corners', 'one_place'])
+def test_nothing_that_is_heard_breaks_it(places):
+    """Every epoch is answered by finite estimates within the area; the process lives and ends well."""
+    anchors = make_anchors([1, 2, 3, 4], places, p1_dbm=-49.0, n=2.4, sigma_db=3.0)
+    area = [0.0, 0.0, 10.0, 10.0]
+    values = {'input': 'rssi', 'particles': 300, 'lag': 1.0, 'area': area, 'loss_timeout': 0.2}
+    graph = [graphs.Process('human_tracker_node', 'human_tracker', values)]
+    with (
+        live.private_domain() as environment,
+        observing(environment) as observer,
+        live.started(graph, environment) as running,
+    ):
+        node = observer.node
+        kinds = {
+            Request: ('request', msg.LocationRequest, convert.request_message),
+            Rssi: ('rssi', msg.RssiMeasurement, convert.rssi_message),
+            EpochEnd: ('epoch_end', msg.EpochEnd, convert.epoch_end_message),
+        }
+        outputs = {kind: node.create_publisher(of, topic, qos.MEASUREMENTS) for kind, (topic, of, _) in kinds.items()}
+        table = node.create_publisher(msg.Anchors, 'anchors', qos.LATCHED_LAST)
+        table.publish(convert.anchors_message(anchors, 0))
+        told = observer.collect(msg.TargetEstimate, 'estimate/human', qos.ESTIMATES)
+        lagged = observer.collect(msg.TargetEstimate, 'estimate/human_lag', qos.ESTIMATES)
+        poses = observer.collect(Odometry, 'odometry/human', qos.ESTIMATES)
+        for kind, publisher in outputs.items():
+            observer.until(lambda p=publisher: p.get_subscription_count() == 1, TIMEOUT, f'{kind} is taken')
+        stamp, sent = START, dict.fromkeys((*anchors.ids.tolist(), 99), 0)
+        for k, (heard, later) in enumerate(EPOCHS):
+            stamp += round(later * SECOND)
+            messages = [Request(stamp, 1, k)]
+            for i, dbm in heard.items():
+                messages.append(Rssi(stamp, i, 1, sent[i], k, dbm))
+                sent[i] += 1
+            seqs = tuple(m.seq for m in messages[1:])
+            messages.append(EpochEnd(stamp, 1, k, 'rssi', tuple(heard), seqs, final=k == len(EPOCHS) - 1))
+            for message in messages:
+                outputs[type(message)].publish(kinds[type(message)][2](message))
+            if later > -1.0:  # a jump back counts when a second request follows it there
+                observer.until(lambda n=k + 1: min(len(told), len(lagged)) >= n, TIMEOUT, f'the estimate of epoch {k}')
+            assert running['human_tracker'].poll() is None
+        observer.until(lambda: len(poses) >= 1, TIMEOUT, 'odometry')
+    assert [e.request_seq for e in told] == list(range(len(EPOCHS)))
+    for m in [*told, *lagged]:
+        estimate = check_usable(convert.estimate_value(m))
+        assert np.all((estimate.mean[:2] >= -1e-9) & (estimate.mean[:2] <= 10.0 + 1e-9))
+        assert np.trace(estimate.covariance[:2, :2]) <= 51.0  # half of the area's diagonal, squared
+        assert np.trace(estimate.covariance[2:, 2:]) <= 100.0
