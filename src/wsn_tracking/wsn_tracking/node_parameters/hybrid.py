@@ -8,6 +8,7 @@ from typing import ClassVar
 from wsn_tracking.models.anchors import Anchors
 from wsn_tracking.node_parameters.trackers import TrackerNodeConfig
 from wsn_tracking.parameters import param
+from wsn_tracking.sensing.channel import check_channel
 from wsn_tracking.trackers.hybrid import HybridTracker
 from wsn_tracking.trackers.hybrid_config import HybridConfig
 
@@ -30,6 +31,7 @@ class HybridNodeConfig(HybridConfig, TrackerNodeConfig):
     def checked(self) -> HybridNodeConfig:
         """Itself, or TrackingError where fields contradict each other."""
         HybridConfig.checked(self)
+        check_channel(self.channel)
         return self
 
     def follows_another(self, count: int) -> bool:
