@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 import rclpy
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
@@ -19,13 +20,25 @@ class Observer:
     def __init__(self, node: Node, executor: SingleThreadedExecutor) -> None:
         self.node = node
         self._executor = executor
+        self._told: dict[str, DiagnosticStatus] = {}
+        node.create_subscription(DiagnosticArray, '/diagnostics', self._hear, 100)
 
     def until(self, seen: Callable[[], bool], timeout: float, what: str) -> None:
-        """Spin until `seen`, or fail after `timeout` [s]."""
+        """Spin until `seen`, or fail after `timeout` [s] with what the nodes said of themselves."""
         deadline = time.monotonic() + timeout
         while not seen():
-            assert time.monotonic() < deadline, f'not seen within {timeout:g} s: {what}'
+            assert time.monotonic() < deadline, f'not seen within {timeout:g} s: {what}\n{self._words()}'
             self._executor.spin_once(timeout_sec=0.05)
+
+    def _hear(self, array: DiagnosticArray) -> None:
+        self._told.update({status.name: status for status in array.status})
+
+    def _words(self) -> str:
+        """Each node's last sentence and values; 'age of' tells how long ago it heard whom."""
+        return '\n'.join(
+            f'{name}: {status.message}; {", ".join(f"{pair.key}: {pair.value}" for pair in status.values)}'
+            for name, status in sorted(self._told.items())
+        )
 
     def until_node(self, name: str, timeout: float) -> None:
         """Spin until a node of that name is there."""
