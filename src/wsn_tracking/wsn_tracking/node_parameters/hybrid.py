@@ -21,6 +21,11 @@ class HybridNodeConfig(HybridConfig, TrackerNodeConfig):
     several: ClassVar[bool] = True
 
     targets: tuple[int, ...] = param((), 'the targets that are tracked; empty: every one that is heard', 'id', 0, 65535)
+    schedule: bool = param(
+        False,
+        'tell the nodes, on `sensing_command`, who measures: the cells of four round where the targets are predicted '
+        'to be, and all nodes while one is looked for. They have to stand on a grid',
+    )
     most_targets: int = param(100, 'no more targets than these are tracked', '', 1, 65536)
 
     @property

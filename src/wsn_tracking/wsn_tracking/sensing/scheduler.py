@@ -72,8 +72,7 @@ class CellScheduler:
         Only who changes is told. previous None: at first, every node is.
         """
         on = self._corners_of(cells)
-        before = set(self.corners.ravel().tolist()) if previous is None else self._corners_of(previous)
-        told = on | before if previous is None else on ^ before
+        told = set(self.corners.ravel().tolist()) if previous is None else on ^ self._corners_of(previous)
         return tuple(Command(node, node in on) for node in sorted(told))
 
     def _corners_of(self, cells: Iterable[int]) -> set[int]:

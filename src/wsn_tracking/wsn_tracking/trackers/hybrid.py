@@ -12,7 +12,7 @@ import numpy as np
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.filters.ekf import Gaussian
 from wsn_tracking.filters.start import area_of
-from wsn_tracking.models.anchors import Anchors
+from wsn_tracking.models.anchors import Anchors, Floats
 from wsn_tracking.models.motion import constant_velocity
 from wsn_tracking.models.region import region_of
 from wsn_tracking.sensing.average import without_bearings
@@ -68,6 +68,13 @@ class HybridTracker:
             'gated lately': self._rejects,
             'misfit': self._misfit,
         }
+
+    def predicted(self, stamp_ns: int) -> Floats | None:
+        """Where the target will be [x, y, vx, vy] at a stamp; None while it is looked for."""
+        if self._track is None:
+            return None
+        belief, _ = self._belief_at(self._seconds(stamp_ns))
+        return belief.m
 
     def step(self, epoch: Epoch) -> tuple[Estimate, ...]:
         """Take in the ranges of an epoch; an empty epoch predicts. Raises TrackingError for another target's."""
