@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from wsn_tracking.filters.belief import Belief
 from wsn_tracking.filters.cubature import regress
@@ -142,14 +144,23 @@ def is_semidefinite(information: Information) -> Mask:
 def packed(information: Information) -> Floats:
     """Vector and upper triangle of the matrix, row by row, (..., n + n (n + 1) / 2)."""
     y, Y = information
-    rows, columns = np.triu_indices(y.shape[-1])
+    rows, columns = _triangle(y.shape[-1])
     return np.concatenate([y, Y[..., rows, columns]], axis=-1)
 
 
 def unpacked(row: Floats, n: int = 4) -> Information:
     """The information of a packed row."""
-    rows, columns = np.triu_indices(n)
+    rows, columns = _triangle(n)
     Y = np.empty((*row.shape[:-1], n, n))
     Y[..., rows, columns] = row[..., n:]
     Y[..., columns, rows] = row[..., n:]
     return Information(row[..., :n], Y)
+
+
+@cache
+def _triangle(n: int) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Rows and columns of an upper triangle, row by row: to find them anew costs more than what is done with them."""
+    rows, columns = np.triu_indices(n)
+    rows.setflags(write=False)
+    columns.setflags(write=False)
+    return rows, columns
