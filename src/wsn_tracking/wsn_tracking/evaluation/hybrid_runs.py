@@ -16,6 +16,7 @@ from wsn_tracking.simulation.d_cells import CellsConfig, Measured, measure, node
 from wsn_tracking.trackers import hybrid_literal as literal
 from wsn_tracking.trackers import hybrid_steps as steps
 from wsn_tracking.trackers.hybrid_config import HybridConfig
+from wsn_tracking.trackers.hybrid_listening import listen, reading_of
 
 
 class Runs(NamedTuple):
@@ -50,8 +51,8 @@ def listened(runs: Runs, config: HybridConfig) -> tuple[Floats, Floats]:
     told = recent.nothing(shape[:1], len(places))
     raw, smooth = np.empty((*shape, 2)), np.empty((*shape, 4))
     for k in range(shape[1]):
-        reading = steps.reading_of(runs.told.z[:, k], runs.told.rows[:, k], config.range_std)
-        told = steps.listen(told, reading, k * runs.config.period, places, config)
+        reading = reading_of(runs.told.z[:, k], runs.told.rows[:, k], config.range_std)
+        told = listen(told, reading, k * runs.config.period, places, config)
         raw[:, k], smooth[:, k] = told.raw, told.x
     return raw, smooth
 
@@ -70,7 +71,7 @@ def track(runs: Runs, config: HybridConfig) -> Tracks:
         begins = ~found & ~np.isnan(raw[:, k, 0])
         state = steps.predict(state, runs.config.period, config)
         z = np.where(found, runs.told.z[:, k], np.nan)
-        reading = steps.reading_of(z, runs.told.rows[:, k], config.range_std)
+        reading = reading_of(z, runs.told.rows[:, k], config.range_std)
         state, outcome = steps.hear(state, reading, k * runs.config.period, places, config)
         if begins.any():
             first = np.concatenate([np.nan_to_num(raw[:, k]), np.zeros((len(raw), 2))], axis=-1)

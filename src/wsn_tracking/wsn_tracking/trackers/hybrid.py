@@ -22,13 +22,13 @@ from wsn_tracking.trackers import hybrid_literal as literal
 from wsn_tracking.trackers import hybrid_steps as steps
 from wsn_tracking.trackers.estimate import Estimate, Kind
 from wsn_tracking.trackers.hybrid_config import HybridConfig
+from wsn_tracking.trackers.hybrid_listening import reading_of
 from wsn_tracking.trackers.hybrid_readings import Distance, DistanceTable
 from wsn_tracking.trackers.hybrid_search import Search
 
 FORGET = 1.0 / 16.0  # weight of the newest range in what is averaged over ranges
 DOUBT = 0.1  # share of gated ranges from which on a track that fell silent is not trusted
 PATIENCE = 4.0  # periods without a range that no track minds
-TOGETHER, THIN = 3, 4  # literal: ranges of an instant, and epochs in a row with fewer that show that none will have
 
 
 class HybridTracker:
@@ -54,7 +54,7 @@ class HybridTracker:
         """Forget the past: as after a start."""
         self._begun_ns: int | None = None  # times below count from here [s]
         self._track: steps.Track | literal.LiteralTrack | None = None
-        self._thin, self._together = 0, False  # literal: epochs in a row with few ranges; whether one had enough
+        self._instants = literal.Instants(self.target_id)
         self._search = Search(self.config, self._places, self._area)
         self._t = self._heard = -math.inf  # of the belief; of the last range that was used
         self._rejects, self._misfit = 0.0, 1.0
@@ -100,7 +100,9 @@ class HybridTracker:
     def _heard_in(self, epoch: Epoch) -> list[Distance]:
         """The ranges of an epoch that were used."""
         used: list[Distance] = []
-        for group in self._groups(self.table.read(epoch, self.counters)):
+        told = self.table.read(epoch, self.counters)
+        # at a time one range is taken, or all of the epoch (literal)
+        for group in self._instants.of(told) if self.config.form == 'literal' else [[distance] for distance in told]:
             t = self._seconds(group[0].stamp_ns)
             if t < self._t - self._stale:
                 self.counters['late'] += len(group)
@@ -111,19 +113,6 @@ class HybridTracker:
             else:
                 used += [distance for distance in group if self._look(distance, max(t, self._t))]
         return used
-
-    def _groups(self, told: list[Distance]) -> list[list[Distance]]:
-        """What is taken at a time: one range, or all of the epoch (literal)."""
-        if self.config.form != 'literal':
-            return [[distance] for distance in told]
-        self._thin = 0 if len(told) >= TOGETHER else self._thin + bool(told)
-        self._together |= len(told) >= TOGETHER
-        if len({distance.stamp_ns for distance in told}) > 1 or (self._thin >= THIN and not self._together):
-            raise TrackingError(
-                f'form literal takes ranges of {TOGETHER} nodes or more at one instant, but those of target '
-                f'{self.target_id} come one by one: set `form` to inflate (or decay, imm)'
-            )
-        return [told] if told else []
 
     def _follow(self, group: list[Distance], t: float) -> list[Distance]:
         """Go on with ranges of one instant; those that were used."""
@@ -137,7 +126,7 @@ class HybridTracker:
             self._track, outcome = literal.hear(track, z, std, share, t, self._places, self.config)
             gated = outcome.gated[rows].tolist()
         else:
-            reading = steps.reading_of(group[0].z, group[0].row, group[0].std, group[0].share)
+            reading = reading_of(group[0].z, group[0].row, group[0].std, group[0].share)
             self._track, outcome = steps.hear(track, reading, t, self._places, self.config)
             gated = [bool(outcome.gated)]
         self.counters['manoeuvre'] += int(outcome.manoeuvre)

@@ -7,15 +7,37 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from wsn_tracking.errors import TrackingError
 from wsn_tracking.filters import frozen_gain, manoeuvre, recent
 from wsn_tracking.filters.ekf import Gaussian
 from wsn_tracking.filters.recent import Recent
 from wsn_tracking.models.anchors import Floats, Mask
 from wsn_tracking.models.motion import forgetful_velocity
 from wsn_tracking.trackers.hybrid_config import HybridConfig
+from wsn_tracking.trackers.hybrid_readings import Distance
 
 FADED = 0.05  # an extra gain below this share no longer keeps the gate open
 SUMMED = 4.0  # ranges that the threshold of a manoeuvre is for: here those of one period
+TOGETHER, THIN = 3, 4  # ranges of an instant, and epochs in a row with fewer that show that none will have
+
+
+class Instants:
+    """The ranges of an epoch, which are of one instant; TrackingError for a target whose ranges come one by one."""
+
+    def __init__(self, target_id: int) -> None:
+        self._target_id = target_id
+        self._thin, self._together = 0, False  # epochs in a row with few ranges; whether one had enough
+
+    def of(self, told: list[Distance]) -> list[list[Distance]]:
+        """One group, or none where nothing was heard."""
+        self._thin = 0 if len(told) >= TOGETHER else self._thin + bool(told)
+        self._together |= len(told) >= TOGETHER
+        if len({distance.stamp_ns for distance in told}) > 1 or (self._thin >= THIN and not self._together):
+            raise TrackingError(
+                f'form literal takes ranges of {TOGETHER} nodes or more at one instant, but those of target '
+                f'{self._target_id} come one by one: set `form` to inflate (or decay, imm)'
+            )
+        return [told] if told else []
 
 
 class LiteralTrack(NamedTuple):
