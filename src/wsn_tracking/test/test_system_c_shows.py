@@ -133,13 +133,13 @@ def test_a_target_that_jumps_is_found_again():
 
 
 def test_half_a_minute_without_any_reading_is_made_good_in_three_seconds():
-    """All walks together: the error's root mean square three seconds after."""
+    """In every one of ten walks."""
     gap = sample(BodyConfig(silent_from=60.0, silent_until=90.0, duration=94.0), RUNS, SEED)
     tracks = track(IMPROVED, gap, SEED)
     assert np.isfinite(tracks.mean).all()
     assert np.isfinite(tracks.covariance).all()
     at = int(np.searchsorted(gap.times, 93.0))
-    assert root(distances(tracks, gap)[:, at] ** 2) <= 8.0
+    assert distances(tracks, gap)[:, at].max() <= 8.0
 
 
 def test_errors_are_scored_over_all_that_has_settled(walks):

@@ -31,7 +31,7 @@ PROFILES: Mapping[str, Mapping[str, Any]] = {
         'v_max': 4.0,
         'extra': 0.0,
         'outlier': 0.0,
-        'draws': 0,
+        'draws': 10000,
         'reset': 0,
     },
     'paper_direction': {
@@ -40,7 +40,7 @@ PROFILES: Mapping[str, Mapping[str, Any]] = {
         'v_max': 2.0,
         'extra': 0.0,
         'outlier': 0.0,
-        'draws': 0,
+        'draws': 10000,
         'reset': 0,
     },
     'rss_mcl': {
@@ -49,7 +49,7 @@ PROFILES: Mapping[str, Mapping[str, Any]] = {
         'v_max': 3.0,
         'extra': 5.6,
         'outlier': 0.0,
-        'draws': 0,
+        'draws': 10000,
         'reset': 0,
     },
 }
@@ -152,12 +152,17 @@ class StartConfig:
 
     draws: int = param(
         -1,
-        'places weighed by the first epoch that is heard; 0: all particles anywhere; -1: as `profile` says',
+        'places weighed by the first epoch that is heard; 0: all particles anywhere; -1: as `profile` says, which is '
+        '10 000 in all of them: of a few hundred that begin anywhere, those in the right place may face the wrong way, '
+        'and die',
         '',
         -1,
         1000000,
     )
     gap: float = param(60.0, 'time without an epoch after which he may be anywhere', 's', 1e-3, 1e9)
+    silence: float = param(
+        20.0, 'time without a reading after which particles are drawn anew by the next; 0: never', 's', 0.0, 1e9
+    )
     reset_epochs: int = param(
         -1,
         'epochs in a row that contradict the particles before they are drawn anew; 0: never; -1: as `profile` says',

@@ -23,6 +23,7 @@ from wsn_tracking.trackers.human_models import drift_of, kld_of, transition_of, 
 
 LONGEST_STEP = 1.0  # [s] of one transition of a walk, and of a straight way that must not meet a wall
 FLOOR = 1e-3  # [m, m/s] least standard deviation that is told
+ABOUT = 0.8  # share of the places of a new start that are about where he may have gone meanwhile
 NOBODY = np.zeros((), dtype=np.bool_)
 BEHIND = slice(STATES, None)  # rows of particles behind those of the walk: offsets of the links
 
@@ -37,6 +38,7 @@ class Track(NamedTuple):
     strikes: NDArray[np.int64]  # (...) epochs in a row that contradicted the particles
     parents: Indices | None = None  # (..., P) where the particles were in the cloud of the last epoch
     V: Floats | None = None  # (..., N) [dB^2] variance of the links' offsets
+    silent: Floats | float = 0.0  # (...) [s] since something was heard
 
 
 class Step(NamedTuple):
@@ -101,16 +103,20 @@ class HumanFilter:
         scored = self.score(s, told, prior.w if self.config.reset_epochs else None)
         cloud, evidence = reweighed(prior, scored.l)
         strikes, lost = self._struck(track, told, scored.by_node, heard)
-        anew = (lost | ~track.started) & any_heard
+        silent = track.silent + max(dt, 0.0)
+        thin = track.started & self._is_thin(silent)
+        anew = (lost | ~track.started | thin) & any_heard
         parents = track.parents
         if anew.any():
-            cloud, parents, V = self._placed(cloud, parents, V, anew, readings, generator)
+            near = prior if np.any(thin & ~lost & any_heard) else None
+            cloud, parents, V = self._placed(cloud, near, thin & ~lost, parents, V, anew, readings, generator)
         w = cloud.w
         cloud, V = self._learnt(cloud, V, readings, w)
         mean, covariance = moments(cloud.s[..., PLANAR, :], w, FLOOR)
         n_eff = worth(w)
         after = self._next(cloud, w, n_eff, generator)
-        following = Track(after[0], track.started | any_heard, np.where(anew, 0, strikes), after[1], V)
+        started, strikes = track.started | any_heard, np.where(anew, 0, strikes)
+        following = Track(after[0], started, strikes, after[1], V, np.where(any_heard, 0.0, silent))
         reset = anew & track.started
         return Step(following, prior, told, cloud, parents, mean, covariance, evidence, scored.by_node, n_eff, reset)
 
@@ -165,6 +171,11 @@ class HumanFilter:
         ways = [np.swapaxes(s[..., X : Y + 1, :], -1, -2) for s in (before, after)]
         return np.asarray(out | ~self._floor.contains(ways[1]) | self._floor.crossed(*ways))
 
+    def _is_thin(self, silent: Floats | float) -> Mask:
+        """Where nothing was heard for so long that the particles are too thin for an epoch to choose among them."""
+        patience = self.config.start.silence
+        return np.asarray(silent >= patience if patience else np.zeros_like(silent, dtype=np.bool_))
+
     def _struck(
         self, track: Track, readings: Readings, by_node: Floats | None, heard: Mask
     ) -> tuple[NDArray[np.int64], Mask]:
@@ -194,6 +205,8 @@ class HumanFilter:
     def _placed(
         self,
         cloud: Cloud,
+        near: Cloud | None,
+        thin: Mask,
         parents: Indices | None,
         V: Floats | None,
         anew: Mask,
@@ -202,6 +215,7 @@ class HumanFilter:
     ) -> tuple[Cloud, Indices | None, Floats | None]:
         """The cloud with particles drawn by the likelihood of the epoch alone where `anew`, and of links unknown.
 
+        Where they are `thin`, most of the places that are weighed are about those that the cloud `near` had predicted.
         Their parents are drawn by the old weights: whoever asks where he was hears what was believed then.
         """
         P, batch = cloud.log_w.shape[-1], np.ndim(anew) > 0
@@ -211,6 +225,8 @@ class HumanFilter:
         z, sigma = (column[anew] if batch else column for column in readings[:2])
         n = max(self.config.draws, P)
         candidates = self._anywhere(z.shape[:-1], n, generator)
+        if near is not None:
+            candidates = self._about(candidates, near, thin[anew] if batch else thin, anew, generator)
         scored, _ = reweighed(equal(candidates), self.score(candidates, readings._replace(z=z, sigma=sigma)).l)
         new = taken(candidates, self._resample(scored.w, P, generator))
         came_from = self._resample(cloud.w, P, generator)
@@ -221,6 +237,24 @@ class HumanFilter:
         else:
             s, log_w, _ = equal(new)
         return Cloud(s, log_w), descended(parents, came_from), V
+
+    def _about(self, candidates: Floats, near: Cloud, thin: Mask, anew: Mask, generator: np.random.Generator) -> Floats:
+        """The candidates (..., S, n), where `thin` with a share ABOUT of their places drawn from a smoothed cloud.
+
+        The kernel is Gaussian, with Silverman's bandwidth for two dimensions.
+        """
+        s, w = (near.s[anew], near.w[anew]) if np.ndim(anew) else (near.s, near.w)
+        places, m = s[..., X : Y + 1, :], round(ABOUT * candidates.shape[-1])
+        std = np.sqrt(np.maximum(np.diagonal(moments(places, w)[1], axis1=-2, axis2=-1), 0.0))
+        drawn_ = taken(places, self._resample(w, m, generator))
+        drawn_ = drawn_ + (w.shape[-1] ** (-1.0 / 6.0) * std)[..., None] * generator.standard_normal(drawn_.shape)
+        x_min, y_min, x_max, y_max = self.area
+        drawn_ = np.clip(drawn_, [[x_min], [y_min]], [[x_max], [y_max]])
+        if self._floor is not None:
+            drawn_ = _rather_inside(drawn_, self._floor)
+        after = candidates.copy()
+        np.copyto(after[..., X : Y + 1, :m], drawn_, where=thin[..., None, None])
+        return after
 
     def _next(
         self, cloud: Cloud, w: Floats, n_eff: Floats, generator: np.random.Generator
