@@ -7,8 +7,9 @@ A file is a ROS 2 parameter file: section `/**` is for every node, `/**/NAME` fo
 from __future__ import annotations
 
 import difflib
+import fnmatch
 import os
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -55,9 +56,10 @@ class Configuration:
             values.update(self._sections.get(section, {}))
         return values
 
-    def but(self, node: str) -> Configuration:
-        """Without what is for the node of that name alone."""
-        return Configuration({name: v for name, v in self._sections.items() if name.rpartition('/')[2] != node})
+    def but(self, *nodes: str) -> Configuration:
+        """Without what is for nodes of these names alone, which may hold `*`."""
+        kept = {name: v for name, v in self._sections.items() if not _is_any(name.rpartition('/')[2], nodes)}
+        return Configuration(kept)
 
     def check_sections(self, nodes: Collection[str]) -> None:
         """Raise TrackingError for a section that is of none of these nodes: it would have no effect."""
@@ -67,6 +69,10 @@ class Configuration:
                 near = difflib.get_close_matches(name, nodes, 1)
                 hint = f'did you mean `{near[0]}`?' if near else f'expected one of {", ".join(sorted(nodes))}'
                 raise TrackingError(f'section `{section}` is of no node of this graph; {hint}')
+
+
+def _is_any(name: str, patterns: Iterable[str]) -> bool:
+    return any(fnmatch.fnmatchcase(name, pattern) for pattern in patterns)
 
 
 def load_configuration(name: str) -> Configuration:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 
 from wsn_tracking.configuration import Configuration, configuration_names, load_configuration
@@ -16,6 +17,11 @@ from wsn_tracking.parameters import Values
 
 SYSTEMS = (RANDOM_Q, CONSENSUS, *CONFIGS)
 ALL = 'all'
+SECTIONS: Mapping[str, tuple[str, ...]] = {  # of a configuration file: the nodes of each system
+    RANDOM_Q: ('sensing*', 'estimator*'),
+    CONSENSUS: ('consensus_node',),
+    **{system: (f'{system}_tracker', f'{system}_tracker_node') for system in CONFIGS},
+}
 
 
 def system_of(configuration: str) -> str:
@@ -70,7 +76,8 @@ def plans_of(
 ) -> tuple[Plan, ...]:
     """The plan of each system (see `systems_of`).
 
-    A configuration of this package is for its own system, a file of the user's for all of them. Without one, a system
+    A configuration of this package is for its own system, a file of the user's for all of them, each of which takes the
+    sections of its own nodes. Without one, a system
     for which the feed has none of its own is told what follows from the field (see `facts`).
     """
     name = configuration if isinstance(configuration, str) else ''
@@ -87,12 +94,17 @@ def plans_of(
                 given = {**told(system, source, anchors, facts_of(source, anchors)), **given}
             chosen = load_configuration(own)
         try:
-            plans.append(_plan_of(system, source, anchors, chosen, given, target_id))
+            plans.append(_plan_of(system, source, anchors, _for(system, chosen), given, target_id))
         except TrackingError as error:
             if len(systems) == 1:
                 raise
             raise TrackingError(f'system {system}: {error}') from error
     return tuple(plans)
+
+
+def _for(system: str, configuration: Configuration) -> Configuration:
+    """Without the sections of other systems' nodes: one file may serve several."""
+    return configuration.but(*(name for other, names in SECTIONS.items() if other != system for name in names))
 
 
 def _plan_of(

@@ -100,7 +100,7 @@ def plan_single(
     }
     config = checked_config(system, values)
     one = source.target(config.target_id)
-    targets = source.targets if config.several and config.target_id < 0 else (one,)
+    targets = tuple(sorted(source.targets)) if config.several and config.target_id < 0 else (one,)
     if not config.several:
         values['target_id'] = one
     return SinglePlan(system, {**values, 'targets': list(targets)} if config.several else values, targets)
