@@ -215,6 +215,23 @@ def test_commands_set_the_trigger_on_board_and_send_nodes_to_rest(bridged):
     assert 1 not in {said.payload.node_id for said in radio.said[before:]}
 
 
+def test_topology_is_the_whole_table_of_the_sink_under_the_names_of_the_map(bridged):
+    """Radios 101 to 107 are nodes 1 to 7; the sink tells of two neighbours at a time; 107 never speaks."""
+    readings = [Reading(100 + n, rssi_dbm=-40.0 - n) for n in range(1, 7)]
+    world = [AirEpoch(0.1 * k, 1, k, (*readings, Reading(107, rssi_dbm=-80.0))) for k in range(3)]
+    names = [f'{100 + n}={n}' for n in range(1, 8)]
+    traffic = dataclasses.replace(QUIET, y_min=-70.0)
+    bridge = bridged(world, {'node_map': names, 'topology_period': 0.2, 'sensing_command': True}, traffic=traffic)
+    radio, tables = bridge.radio, bridge.taken['topology']
+    assert {m.node_id for m in bridge.come('rssi', 18)} == set(range(1, 7))
+    bridge.until(lambda: tables and len(set(tables[-1].ieee_addresses) - {0}) == 8, '7 motes and the robot')
+    assert set(tables[-1].node_ids) == {0, 1, 2, 3, 4, 5, 6}
+    tell = bridge.tell(msg.SensingCommand, 'sensing_command')
+    tell(msg.SensingCommand(node_id=3, active=False, y_min=-90, e_min=0.1, e_max=2.5))
+    (told,) = bridge.told(1)
+    assert (told.record.node_id, told.dst) == (103, radio.simulator.traffic.nodes[103].short)
+
+
 def test_beside_sensing_nodes_the_report_tells_of_the_silent_alone(bridged):
     """They report which ranges they send; whoever takes ranges would wait for one of each signal strength listed."""
     traffic = dataclasses.replace(QUIET, event_triggered=True, e_min=0.1, e_max=2.5)
@@ -224,7 +241,8 @@ def test_beside_sensing_nodes_the_report_tells_of_the_silent_alone(bridged):
     assert bridge.come('trigger_report', 1)[0].sent_ids.tolist() == [1]
     radio.do(lambda s, now: s.go_on(changing(2, 1, -61.0), now))
     assert bridge.come('trigger_report', 2)[-1].sent_ids.tolist() == [1, 2]
-    sensing = bridge.observer.node.create_publisher(msg.TriggerReport, 'trigger_report', qos.MEASUREMENTS)
+    sensing = bridge.observer.node
+    sensing.create_publisher(msg.TriggerReport, 'trigger_report', qos.MEASUREMENTS)
     first = 3
     while len(reports[-1].sent_ids):  # until the bridge knows of it
         bridge.until(lambda: radio.loop.finished, 'the part before')
@@ -233,7 +251,6 @@ def test_beside_sensing_nodes_the_report_tells_of_the_silent_alone(bridged):
         first += 1
     told = convert.report_value(reports[-1])
     assert (told.sent_ids, told.sent_seqs, told.silent_ids, told.reasons) == ((), (), (2,), (Reason.ON_BOARD,))
-    bridge.observer.node.destroy_publisher(sensing)
 
 
 def test_what_misleads_without_any_other_sign_is_warned_of(bridged):

@@ -17,7 +17,7 @@ from wsn_tracking.nodes.health import OK, Health, link, radio, worst
 from wsn_tracking.nodes.stations import Stations
 from wsn_tracking.sensing.values import EpochEnd, Range, Request, Rssi, TriggerReport
 from wsn_tracking.trackers.estimate import Estimate, Kind
-from wsn_tracking.zstack.commands import ZdoMgmtLqiReq, ZdoMgmtLqiRsp
+from wsn_tracking.zstack.commands import ZdoMgmtLqiReq, ZdoMgmtLqiReqRsp
 from wsn_tracking.zstack.intake import Intake
 from wsn_tracking.zstack.lqi import SCALES, scale_words
 from wsn_tracking.zstack.payload import Payload, PayloadType, encode_payload
@@ -43,10 +43,11 @@ class SerialBridgeNode(TrackingNode[SerialBridgeConfig]):
     def __init__(self) -> None:
         super().__init__('serial_bridge_node', SerialBridgeConfig)
         config = self.config
-        rules = Rules(round(config.ends_after * 1e9), config.range_modality, node_map(config.node_map))
+        node_ids = node_map(config.node_map)
+        rules = Rules(round(config.ends_after * 1e9), config.range_modality, node_ids)
         self._bridge = Bridge(rules, time.time_ns() - time.monotonic_ns())
         self._intake = Intake(config, SCALES[config.lqi_scale])
-        self._stations = Stations()
+        self._stations = Stations(node_ids)
         self._sent_down = 0
         self._fed_back: dict[int, int] = {}  # target -> stamp [ns] of what was told last
         self._conflicts: dict[int, float] = {}  # node -> when two radios last bore its id
@@ -63,7 +64,7 @@ class SerialBridgeNode(TrackingNode[SerialBridgeConfig]):
         self.create_timer(TICK, self._end_epochs)
         self.create_timer(1.0, self._tell_link)
         if config.topology_period:
-            self.create_timer(config.topology_period, self._ask_topology)
+            self.create_timer(config.topology_period, lambda: self._ask_topology(self._stations.question()))
         woken = self.create_guard_condition(self._take_all)
         self._session = Session(config, woken.trigger)
         self._session.start()
@@ -78,6 +79,7 @@ class SerialBridgeNode(TrackingNode[SerialBridgeConfig]):
     def _take_all(self) -> None:
         for received in self._session.inbox.take():
             self._stations.see(received)
+            self._ask_topology(self._stations.next_question(received.item))
             taken = self._intake.take(received)
             if taken is not None:
                 if taken.judged.conflict:
@@ -124,8 +126,14 @@ class SerialBridgeNode(TrackingNode[SerialBridgeConfig]):
         self._send(PayloadType.FEEDBACK, FeedbackRecord(estimate.target_id, x, y, vx, vy), self.config.feedback_address)
 
     def _command(self, m: msg.SensingCommand, now: float) -> None:
-        record = SensingRecord(m.node_id, int(m.active), m.y_min, m.e_min, m.e_max)
-        self._send(PayloadType.COMMAND, record, self._stations.address_of(m.node_id))
+        radio_id = self._stations.radio_of(m.node_id)
+        if radio_id is None:
+            self.malformed['sensing_command'] += 1
+            words = f'node {m.node_id} is not in `node_map`: no radio is told'
+            self.get_logger().warning(words, throttle_duration_sec=5.0)
+            return
+        record = SensingRecord(radio_id, int(m.active), m.y_min, m.e_min, m.e_max)
+        self._send(PayloadType.COMMAND, record, self._stations.address_of(radio_id))
 
     def _send(self, kind: PayloadType, record: Record, address: int) -> None:
         try:
@@ -141,8 +149,9 @@ class SerialBridgeNode(TrackingNode[SerialBridgeConfig]):
 
     # ---- what is told of the line
 
-    def _ask_topology(self) -> None:
-        self._session.ask(ZdoMgmtLqiReq(0, 0), ZdoMgmtLqiRsp)
+    def _ask_topology(self, question: ZdoMgmtLqiReq | None) -> None:
+        if question is not None:
+            self._session.ask(question, ZdoMgmtLqiReqRsp)
 
     def _tell_link(self) -> None:
         status, counters = self._session.status, self._counters()
