@@ -14,7 +14,7 @@ def _graph(argument):
 def _arguments():
     known = {name: given for name, given in arguments_of('').items() if name not in {'scenario', 'seed', 'settings'}}
     trackers = ('', 'systems, a comma between them, or all; empty: as the bag asks')
-    return {**known, 'bag': (None, known['bag'][1]), 'trackers': trackers}
+    return {**known, 'bag': (None, 'rosbag2 folder or .mcap file'), 'trackers': trackers}
 
 
 def generate_launch_description():
