@@ -119,9 +119,9 @@ def test_heartbeats_tell_of_radios(bridged):
     bridge = bridged(
         [AirEpoch(0.0, 1, 0, (Reading(1, rssi_dbm=-50.0), Reading(7, rssi_dbm=-60.0))), *silent[1:]], traffic=traffic
     )
-    bridge.until(lambda: bridge.taken['topology'] and {1, 7} <= set(bridge.taken['topology'][-1].node_ids), 'both')
-    kinds = {said.payload.type for said in bridge.radio.said}
-    assert 2 in kinds
+    said, tables = bridge.radio.said, bridge.taken['topology']
+    bridge.until(lambda: {(s.payload.type, s.payload.node_id) for s in said} >= {(2, 1), (2, 7)}, 'their heartbeats')
+    bridge.until(lambda: tables and {1, 7} <= set(tables[-1].node_ids), 'both')
     table = bridge.taken['topology'][-1]
     assert len(table.short_addresses) == len(table.lqi) == len(table.age)
     assert min(table.age) >= 0.0
