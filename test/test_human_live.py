@@ -2,19 +2,25 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 
 import numpy as np
 import pytest
 from nav_msgs.msg import Odometry
+from std_msgs.msg import String
 from wsn_tracking_msgs import msg
 
 import live
 from observer import observing
+from radio import LIVE, PATIENCE, QUIET, Radio
 from wsn_tracking import graphs
+from wsn_tracking.airwaves import air_epochs
 from wsn_tracking.models.anchors import make_anchors
 from wsn_tracking.nodes import convert, qos
 from wsn_tracking.sensing.values import EpochEnd, Request, Rssi
+from wsn_tracking.simulation.record import record
+from wsn_tracking.simulation.scenarios import scenario
 from wsn_tracking.trackers.estimate import check_usable
 
 TIMEOUT = 120.0
@@ -87,3 +93,38 @@ def test_nothing_that_is_heard_breaks_it(places):
         assert np.all((estimate.mean[:2] >= -1e-9) & (estimate.mean[:2] <= 10.0 + 1e-9))
         assert np.trace(estimate.covariance[:2, :2]) <= 51.0  # half of the area's diagonal, squared
         assert np.trace(estimate.covariance[2:, 2:]) <= 100.0
+
+
+def test_a_person_whose_worn_node_reports_is_followed(tmp_path):
+    """Type 4 frames of c_circle through sink, bridge and tracker, at four times the speed: he walks 1 m/s then."""
+    whole = record(scenario('c_circle', {'duration': 10.0, 'slowest': 0.25}, seed=1), 1)
+    table = whole.anchors
+    field = {
+        'anchors.ids': table.ids.tolist(),
+        'anchors.x': table.positions[:, 0].tolist(),
+        'anchors.y': table.positions[:, 1].tolist(),
+        'anchors.p1_dbm': table.p1_dbm.tolist(),
+        'anchors.n': table.n.tolist(),
+        'anchors.sigma_db': table.sigma_db.tolist(),
+    }
+    patient = {name: LIVE[name] for name in ('epoch_timeout', 'loss_timeout', 'timeout.settle')}
+    settings = {**patient, **field, 'port': str(tmp_path / 'sink'), 'period': 0.5, 'area': [-15.0, -15.0, 15.0, 15.0]}
+    graph = graphs.serial('human', trackers='human', settings=settings)
+    radio = Radio(tmp_path / 'sink', air_epochs(whole), traffic=dataclasses.replace(QUIET, payload='worn'), rate=4.0)
+    with (
+        live.private_domain() as environment,
+        observing(environment) as observer,
+        radio.running(),
+        live.started(graph, environment) as running,
+    ):
+        told = observer.collect(msg.TargetEstimate, 'estimate/human', qos.ESTIMATES)
+        ready = observer.collect(String, 'ready', qos.LATCHED)
+        observer.until(lambda: {m.data for m in ready} >= {p.name for p in graph}, TIMEOUT, 'all are ready')
+        radio.may_begin.set()
+        observer.until(lambda: len(told) >= 20, PATIENCE, 'twenty estimates')
+        assert running['human_tracker'].poll() is None
+    assert {m.target_id for m in told} == {1}
+    assert {tuple(m.measurements) for m in told} == {(1, 2, 3, 4)}
+    truth = whole.truth[1].positions
+    errors = [math.hypot(m.mean[0] - truth[m.request_seq, 0], m.mean[1] - truth[m.request_seq, 1]) for m in told]
+    assert math.sqrt(sum(e**2 for e in errors[10:]) / len(errors[10:])) < 4.0  # a circle of 10 m; usual are 1.5 m
