@@ -60,3 +60,10 @@ def wait_all(running: Mapping[str, subprocess.Popen[str]], names: Sequence[str],
         assert running[name].returncode == 0, f'{name} ended with {running[name].returncode}:\n{output}'
         outputs[name] = output
     return outputs
+
+
+def all_run(running: Mapping[str, subprocess.Popen[str]]) -> bool:
+    """That nobody has ended yet; whoever waits for a graph need not wait for one that has failed."""
+    for name, process in running.items():
+        assert process.poll() is None, f'{name} has ended with {process.returncode}:\n{process.communicate()[0]}'
+    return True

@@ -90,10 +90,10 @@ def test_estimates_are_those_of_a_bag_without_the_measurements_of_the_outages(tm
         live.private_domain() as environment,
         observing(environment) as observer,
         radio.running(),
-        live.started(graph, environment),
+        live.started(graph, environment) as running,
     ):
         run = Run(radio, observer)
-        run.until(lambda: {m.data for m in run.ready} >= names, 'all are ready')
+        run.until(lambda: live.all_run(running) and {m.data for m in run.ready} >= names, 'all are ready')
         radio.may_begin.set()
         for number, outage in enumerate((Event.RESET, Event.UNPLUG, Event.UNPLUG)):
             devices.append(os.path.realpath(link))

@@ -91,8 +91,9 @@ def bridged(tmp_path):
                 'expected_subscribers': topics,
                 **dict(settings),
             }
-            stack.enter_context(live.started([Process('serial_bridge_node', 'bridge', given)], environment))
-            bridge.until(lambda: bridge.ready, 'the bridge is ready')
+            process = Process('serial_bridge_node', 'bridge', given)
+            running = stack.enter_context(live.started([process], environment))
+            bridge.until(lambda: live.all_run(running) and bridge.ready, 'the bridge is ready')
             radio.may_begin.set()
             return bridge
 
