@@ -99,6 +99,7 @@ def plan_single(
         'input': source.entry_level,
     }
     config = checked_config(system, values)
+    config.check_files()
     one = source.target(config.target_id)
     targets = tuple(sorted(source.targets)) if config.several and config.target_id < 0 else (one,)
     if not config.several:
