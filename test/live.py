@@ -6,7 +6,7 @@ import contextlib
 import os
 import subprocess
 import tempfile
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from pathlib import Path
 
 from domain_coordinator import domain_id
@@ -16,6 +16,7 @@ from wsn_tracking.graphs import Process
 
 ROOT = Path(__file__).resolve().parents[1]
 A_LOOP = ROOT / 'bags' / 'a_loop'
+ENDS_IN_S = 10.0  # far beyond what a node takes that is asked to end
 
 
 @contextlib.contextmanager
@@ -35,10 +36,19 @@ def started(graph: Sequence[Process], environment: Mapping[str, str]) -> Iterato
                 running[process.name] = start(process, environment, Path(folder))
             yield running
         finally:
-            for process in running.values():
-                if process.poll() is None:
-                    process.kill()
-                process.communicate()
+            end(running.values())
+
+
+def end(processes: Collection[subprocess.Popen[str]]) -> None:
+    """Ask first: the middleware's shared memory outlives processes that are killed, and disturbs those that follow."""
+    for process in processes:
+        process.terminate()
+    for process in processes:
+        try:
+            process.communicate(timeout=ENDS_IN_S)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.communicate()
 
 
 def start(process: Process, environment: Mapping[str, str], folder: Path) -> subprocess.Popen[str]:
