@@ -18,6 +18,8 @@ from wsn_tracking.sensing.survey import Readings
 from wsn_tracking.sensing.values import Rssi
 from wsn_tracking.simulation.c_body import BodyConfig, body_scenario, nodes
 from wsn_tracking.simulation.record import record
+from wsn_tracking.simulation.scenarios import scenario
+from wsn_tracking.surveys import open_walk
 from wsn_tracking.trackers.human_config import HumanConfig, SignalConfig
 from wsn_tracking.trackers.human_models import curves_of
 
@@ -265,3 +267,16 @@ def test_options_that_make_no_sense_together_are_refused(tmp_path, capsys, argum
     assert ended.value.code != 0
     assert words in capsys.readouterr().err
     assert not (tmp_path / 'out.yaml').exists()
+
+
+def test_a_body_is_of_a_walk_and_of_signal_strengths(tmp_path):
+    (tmp_path / 'survey').mkdir()
+    (tmp_path / 'survey' / 'set_1.hst').write_text('')
+    with pytest.raises(TrackingError, match='survey of places'):
+        open_walk(tmp_path / 'survey')
+    save(tmp_path / 'ranges', record(scenario('d_stop'), 1))
+    with pytest.raises(TrackingError, match='holds ranges'):
+        open_walk(tmp_path / 'ranges')
+    save(tmp_path / 'blind', walked(BodyConfig(duration=5.0))._replace(truth={}))
+    with pytest.raises(TrackingError, match='no truth'):
+        open_walk(tmp_path / 'blind')

@@ -3,12 +3,14 @@
 Bounds are those that the project set itself for figures pooled over ten walks; what is measured is well below them.
 """
 
+import json
 import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from wsn_tracking.evaluation import study
 from wsn_tracking.evaluation import study_human as human
 from wsn_tracking.evaluation import study_human_parts as parts
 from wsn_tracking.evaluation.human_runs import distances, sample, squares, track
@@ -148,3 +150,30 @@ def test_errors_are_scored_over_all_that_has_settled(walks):
     tracks = track(replace(PAPER_MAX, particles=50), short, SEED)
     by_hand = np.mean(np.sum((tracks.mean - short.states)[:, 20:, :2] ** 2, axis=-1), axis=-1)
     np.testing.assert_allclose(squares(tracks, short), by_hand)
+
+
+def test_every_study_runs_and_is_plain_json(monkeypatch):
+    """On two walks of half a minute."""
+
+    def short(config, runs, seed):
+        return sample(replace(config, duration=min(config.duration, 30.0)), runs, seed)
+
+    for module in (human, parts):
+        monkeypatch.setattr(module, 'sample', short)
+    results = {
+        'profiles': human.profiles(2),
+        'circle': human.circle(2),
+        'corridor': human.corridor(2),
+        'spacing': human.spacing(2, (3, 4)),
+        'noise': human.noise(2, (1.0, 3.0)),
+        'parts': parts.parts(2),
+        'teleport': parts.teleport(2, at=15.0),
+        'needless': parts.needless(2),
+        'disc_lag': parts.disc_lag(2, speeds=(1.5,)),
+    }
+    monkeypatch.undo()
+    results['silence'] = parts.silence(2)
+    assert set(results) == set(study.STUDIES['human'])
+    assert results == json.loads(json.dumps(results, allow_nan=False))
+    assert results['silence']['finite']
+    assert results['teleport']['reset']['median_s'] <= 15.0 + 90.0
