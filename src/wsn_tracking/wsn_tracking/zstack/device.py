@@ -124,7 +124,7 @@ class Device:
         self.chip.reset(reason)
 
     def power_cycle(self, now: float) -> None:
-        """Power is lost and comes back: nothing but memory is left. A port shows only when there is somebody to hear."""
+        """Power is lost and comes back: nothing but memory is left. A port shows when there is somebody to hear."""
         self.reset(now, reason=0)
         self.chip.hears_from = self.chip.now
 
