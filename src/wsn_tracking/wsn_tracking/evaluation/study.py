@@ -85,6 +85,7 @@ def run(
         if not chosen:
             continue
         path = folder / f'{file}.json'
+        _kept(path)  # a file that is none is refused before the work
         made = {}
         for name in chosen:
             print(f'{file}: {name}', file=sys.stderr, flush=True)
