@@ -302,7 +302,7 @@ def test_log_and_iplf_estimators_run_with_every_option():
 
 @pytest.mark.parametrize('std', [0.1, 0.5])
 def test_a_track_in_the_wrong_place_is_found_anew_and_no_other(std):
-    """Set off in the wrong corner, sure of it, with ranges that it takes for worse than they are: no gate rejects any."""
+    """Set off in the wrong corner, sure of it, ranges taken for worse than they are: no gate would reject any."""
     rng = np.random.default_rng(10)
     wrong = StartConfig(kind='given', mean=(3.4, 2.2, 0.0, 0.0), std=(0.05, 0.05, 0.01, 0.01))
     odds = ReacquireConfig(odds=4.0, window=4.0)
