@@ -21,6 +21,7 @@ def add(commands: Commands) -> None:
         'play a bag through the live graph and score it there; equal to `evaluate` to the last bit',
         'bags/a_loop --rate max',
         'bags/a_loop --rate 20 --one-process-each',
+        'bags/d_phase --rate max --trackers all',
     )
     add_bag(command)
     add_tracking(command)

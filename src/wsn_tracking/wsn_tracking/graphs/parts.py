@@ -13,6 +13,7 @@ from wsn_tracking.bags.playback import TOPICS
 from wsn_tracking.bags.read import read
 from wsn_tracking.bags.types import truth_target
 from wsn_tracking.errors import TrackingError
+from wsn_tracking.node_parameters.feeds import RECORDER
 from wsn_tracking.parameters import Values
 from wsn_tracking.sensing.recording import Recording
 
@@ -218,7 +219,7 @@ def _recorder(source: Source, outputs: Iterable[str], parameters: Values, values
     metadata = [f'{key}={value}' for key, value in source.metadata.items()]
     return Process(
         'bag_recorder_node',
-        'bag_recorder',
+        RECORDER,
         {
             **parameters,
             'entry_level': source.entry_level,

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 
 from wsn_tracking.parameters import param
 
+RECORDER = 'bag_recorder'  # the node that a feed outlives, if it expects one
+
 
 @dataclass(frozen=True)
 class FeedConfig:

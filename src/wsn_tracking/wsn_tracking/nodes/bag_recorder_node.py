@@ -62,7 +62,7 @@ class BagRecorderNode(TrackingNode[RecorderConfig]):
                 (self._going.discard if end.final else self._going.add)(end.target_id)
                 self._ended = not self._going
 
-        profile = qos.TRUTH if topic.startswith('truth/') else qos.MEASUREMENTS
+        profile = qos.TRUTH if topic.startswith('truth/') else qos.SCORED
         profile = qos.LATCHED_LAST if topic == 'anchors' else profile
         subscription = self.create_subscription(CLASSES[type_name], topic, callback, profile, raw=True)
         self._matching.subscription(subscription, topic)

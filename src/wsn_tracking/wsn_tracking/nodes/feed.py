@@ -18,7 +18,7 @@ from wsn_tracking_msgs import msg
 from wsn_tracking.bags.messages import to_cdr
 from wsn_tracking.bags.playback import Playback, playback
 from wsn_tracking.errors import TrackingError
-from wsn_tracking.node_parameters.feeds import FeedConfig
+from wsn_tracking.node_parameters.feeds import RECORDER, FeedConfig
 from wsn_tracking.nodes import convert, qos
 from wsn_tracking.nodes.base import Finished, TrackingNode
 from wsn_tracking.nodes.health import OK, Health, outputs
@@ -37,6 +37,7 @@ TYPES = {
     'trigger_report': msg.TriggerReport,
 }
 TICK = 0.002  # [s]
+LOOK = 0.05  # [s] between two looks at who is still there
 
 
 def _watched(entry: str) -> tuple[str, int]:
@@ -60,6 +61,8 @@ class FeedNode(TrackingNode[Config]):
         self._clock_output = self.create_publisher(Clock, '/clock', qos.CLOCK)
         self._sent = 0
         self._begun: float | None = None
+        self._finished: float | None = None  # when the last output was in
+        self._look_at = 0.0
         self._start = time.monotonic()
         topics = {topic: target for topic, target in map(_watched, self.config.window_topics) if topic}
         self._window = Window(topics, self._playback.epochs, self.config.window, self.config.output_timeout)
@@ -114,8 +117,19 @@ class FeedNode(TrackingNode[Config]):
             if self._bar is not None:
                 self._bar.reach(event.epoch + 1)
         if self._window.finished():
+            self._finish(now)
+
+    def _finish(self, now: float) -> None:
+        """Stay until the recorder has gone: what is still under way to it would be lost with this process."""
+        if self._finished is None:
+            self._finished = now
             self.report()
             self._tell()
+        elif now < self._look_at:
+            return
+        self._look_at = now + LOOK
+        waits = RECORDER in self.config.expected_nodes and RECORDER in self.get_node_names()
+        if not waits or now - self._finished > 2.0 * self.config.output_timeout:
             raise Finished(1 if self._window.given_up else 0)
 
     def _may_begin(self, now: float) -> bool:
