@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from import_cases import real_data
 from reproduction_cases import HERE, SETTING, claim, figure
 
 from wsn_tracking import cli
@@ -180,6 +181,18 @@ def test_recordings_are_run_where_they_are_and_named_where_not(tmp_path, monkeyp
     (experiment,) = cross.on_recordings(ready)
     found = experiment.sample(3, 1)
     assert found['centre 0: squares'] < found['nearest 0: squares']
+
+
+@pytest.mark.parametrize(
+    ('folder', 'name', 'skip_s'), [('labyrinth_uwb', 'labyrinth', 10.0), ('zignav_zigbee_log', 'zignav', 5.0)]
+)
+def test_real_recordings_are_imported_and_calibrated_where_they_can_be(tmp_path, folder, name, skip_s):
+    """The first is calibrated from the part that is not scored, the second not at all."""
+    ready = cross.real_bags(name, real_data(folder).parent, tmp_path)
+    assert ready.skip_s == skip_s
+    (bag,) = ready.bags
+    anchors = open_bag(bag)[1].anchors
+    assert np.any(anchors.bias != 0.0) == (name == 'labyrinth')
 
 
 def test_a_folder_that_is_none_is_refused_in_one_line(tmp_path, capsys):
