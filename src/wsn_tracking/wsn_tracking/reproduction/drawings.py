@@ -79,4 +79,4 @@ def _bars(axes: Axes, plot: Json) -> None:
         colour = pens[series['name']].color
         axes.bar(places, y, width, color=colour, yerr=spread, label=series['name'], ecolor=style.INK, capsize=1.5)
     axes.axhline(0.0, color=style.MUTED, linewidth=0.6)
-    axes.set_xticks(range(len(labels)), labels, rotation=0 if sum(map(len, labels)) < 60 else 30)
+    axes.set_xticks(range(len(labels)), labels, rotation=0 if sum(map(len, labels)) < 60 and len(labels) < 8 else 30)
