@@ -51,9 +51,12 @@ def test_only_the_cell_round_the_prediction_measures_once_the_target_is_found(tm
         'anchors.y': anchors.positions[:, 1].tolist(),
     }
     sink = {'link': link, 'bag': str(tmp_path / 'bag'), 'publish_anchors': False, 'linger': 60.0}
+    seen = {'targets': [1], 'expected_subscribers': ['estimate/hybrid_target_1=1']}  # by the observer, from the start
+    heard_by_both = {'expected_subscribers': ['range=2']}
+    line = {'port': link, 'period': T, 'sensing_command': True}
     graph = [
-        Process('hybrid_tracker_node', 'tracker', {'schedule': True, 'period': T, 'input': 'range'}),
-        Process('serial_bridge_node', 'bridge', {'port': link, 'period': T, 'sensing_command': True, **table}),
+        Process('hybrid_tracker_node', 'tracker', {'schedule': True, 'period': T, 'input': 'range', **seen}),
+        Process('serial_bridge_node', 'bridge', {**line, **table, **heard_by_both}),
         Process('sink_simulator', 'sink', {**sink, 'expected_nodes': ['tracker', 'bridge']}),
     ]
     with (
@@ -66,8 +69,8 @@ def test_only_the_cell_round_the_prediction_measures_once_the_target_is_found(tm
         observer.until(lambda: len(estimates) >= EPOCHS - 1, TIMEOUT, f'{EPOCHS - 1} estimates')
         assert all(process.poll() is None for process in running.values())
     heard = Counter(m.request_seq for m in ranges)
-    first, last = (np.mean([heard[k] for k in span]) for span in (range(2), range(EPOCHS - 20, EPOCHS)))
-    assert first > 10.0
+    assert heard[0] == 12
+    last = np.mean([heard[k] for k in range(EPOCHS - 20, EPOCHS)])
     assert 3.0 <= last <= 5.0  # four, and for a moment those of the next cell
     truth = recording.truth[1].positions
     off = [np.hypot(*(np.array(e.mean[:2]) - truth[e.request_seq, :2])) for e in estimates[-20:]]
