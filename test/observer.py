@@ -13,6 +13,8 @@ from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 
+from wsn_tracking.nodes.shared_memory import remove_unfinished
+
 
 class Observer:
     """Spins until something is seen."""
@@ -54,6 +56,7 @@ class Observer:
 @contextlib.contextmanager
 def observing(environment: Mapping[str, str]) -> Iterator[Observer]:
     """An observer in the domain of an environment; discovery is limited as that of this process is."""
+    remove_unfinished()
     context = Context()
     rclpy.init(context=context, domain_id=int(environment['ROS_DOMAIN_ID']))
     node = rclpy.create_node('observer', context=context)

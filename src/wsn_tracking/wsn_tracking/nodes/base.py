@@ -27,6 +27,7 @@ from wsn_tracking.nodes.declaring import declare, qos_overrides, warn_of_strange
 from wsn_tracking.nodes.executor import make_executor
 from wsn_tracking.nodes.health import Health, flow
 from wsn_tracking.nodes.matching import Matching
+from wsn_tracking.nodes.shared_memory import remove_unfinished
 
 Config = TypeVar('Config')
 
@@ -165,6 +166,7 @@ class TrackingNode(Node, Generic[Config]):
 
 def run(make: Callable[[], TrackingNode[Any]]) -> None:
     """Spin a node until it is finished, interrupted or told to stop; wrong parameters end it with one line."""
+    remove_unfinished()
     rclpy.init()
     code = 0
     node = None

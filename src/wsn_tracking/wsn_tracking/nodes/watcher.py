@@ -18,6 +18,7 @@ from rclpy.subscription import Subscription
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.evaluation.scene import Scene
 from wsn_tracking.nodes.scenery import Scenery
+from wsn_tracking.nodes.shared_memory import remove_unfinished
 
 BREATH = 0.05  # [s]
 
@@ -74,6 +75,7 @@ class Watcher:
 @contextmanager
 def watching(scene: Scene, choose: Callable[[Iterable[str]], Sequence[str]], namespace: str = '') -> Iterator[Watcher]:
     """A watcher in the domain and namespace of a graph; an interrupt ends the block as if it were at its end."""
+    remove_unfinished()
     rclpy.init()
     node = rclpy.create_node(f'watch_{os.getpid()}', namespace=namespace)
     try:

@@ -26,6 +26,7 @@ class PtyLoop:
         self.simulator = simulator
         self.lost_bytes = 0
         self.begun: float | None = None  # when the world began (time.monotonic)
+        self._idle = False  # as it was before the host was heard, which may ask something in every turn
         self._port = port
         self._may_begin = may_begin
         self._stop = stop
@@ -35,7 +36,7 @@ class PtyLoop:
     @property
     def finished(self) -> bool:
         """Whether everything was sent."""
-        return self.begun is not None and self.simulator.finished and not self._waiting
+        return self.begun is not None and self._idle and not self.simulator.to_come
 
     def run(self) -> None:
         """Until told to stop; the port is gone then."""
@@ -47,10 +48,11 @@ class PtyLoop:
 
     def turn(self) -> None:
         """One wait, and whatever comes of it."""
-        now = time.monotonic()
+        now, self._idle = time.monotonic(), False
         for action in self.simulator.poll(now):
             self._do(action)
         self._write()
+        self._idle = self.simulator.finished and not self._waiting
         if self.begun is None and self.simulator.delivers and self._may_begin():
             self.begun = time.monotonic()
             self.simulator.begin(self.begun)

@@ -94,8 +94,8 @@ class Simulator:
     def go_on(self, epochs: Sequence[AirEpoch], now: float) -> None:
         """More epochs, from `now` on, behind those that were sent; TrackingError where some are still to come."""
         self._advance(now)
-        if len(self.sent) < len(self._epochs):
-            raise TrackingError(f'epochs still to come: {len(self._epochs) - len(self.sent)}; wait for them')
+        if self.to_come:
+            raise TrackingError(f'epochs still to come: {self.to_come}; wait for them')
         first, lasted = len(self._epochs), self._after(epochs[0].time_s)
         self._epochs += epochs
         self._agenda.at(now, lambda: self._epoch(first, now - lasted))
@@ -138,7 +138,12 @@ class Simulator:
     @property
     def finished(self) -> bool:
         """Whether everything was sent."""
-        return len(self.sent) == len(self._epochs) and self._agenda.due == float('inf') and not self._actions
+        return not self.to_come and self._agenda.due == float('inf') and not self._actions
+
+    @property
+    def to_come(self) -> int:
+        """Epochs that were not sent yet."""
+        return len(self._epochs) - len(self.sent)
 
     # ---- within
 
