@@ -15,6 +15,8 @@ from rclpy.node import Node
 
 from wsn_tracking.nodes.shared_memory import remove_unfinished
 
+LOOK_S = 0.02  # between two looks
+
 
 class Observer:
     """Spins until something is seen."""
@@ -30,7 +32,10 @@ class Observer:
         deadline = time.monotonic() + timeout
         while not seen():
             assert time.monotonic() < deadline, f'not seen within {timeout:g} s: {what}\n{self._words()}'
-            self._executor.spin_once(timeout_sec=0.05)
+            # whatever came in the meantime is taken before the next look, which may be slow
+            pause = time.monotonic() + LOOK_S
+            while (left := pause - time.monotonic()) > 0.0:
+                self._executor.spin_once(timeout_sec=left)
 
     def _hear(self, array: DiagnosticArray) -> None:
         self._told.update({status.name: status for status in array.status})

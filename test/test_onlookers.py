@@ -138,6 +138,8 @@ def settled(seen):
     """Markers by namespace of the latest array that shows an estimate and a report that were seen, and these two."""
     for array in reversed(seen.arrays):
         named = {marker.ns: marker for marker in array.markers}
+        if not {'fused_1', 'nodes'} <= set(named):
+            continue
         estimate = seen.estimates.get(stamp_ns(named['fused_1']))
         report = seen.reports.get(stamp_ns(named['nodes']))
         if estimate is not None and report is not None:
