@@ -52,7 +52,7 @@ class Memoryless:
 
     def place(self, d: Floats) -> Floats:
         """The place (2,) of plane distances (N,) [m], NaN where nothing was heard; NaN where they are not enough."""
-        raise NotImplementedError
+        raise NotImplementedError  # each baseline has its own
 
 
 class Nearest(Memoryless):

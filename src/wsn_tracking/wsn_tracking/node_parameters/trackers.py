@@ -43,8 +43,8 @@ class TrackerNodeConfig(AssemblyConfig):
 
     def tracker(self, anchors: Anchors, target_id: int) -> Tracker:
         """What tracks a target."""
-        raise NotImplementedError
+        raise NotImplementedError  # each system has its own; a base of dataclasses is no ABC
 
     def outputs(self, target_id: int) -> tuple[str, ...]:
         """Names of its estimates of a target."""
-        raise NotImplementedError
+        raise NotImplementedError  # each system has its own; a base of dataclasses is no ABC
