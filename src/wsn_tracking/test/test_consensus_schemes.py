@@ -5,7 +5,7 @@ import pytest
 from consensus_cases import loop_round, within
 from hypothesis import given
 from hypothesis import strategies as st
-from oracles import properties
+from oracles import properties, seeds
 
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.fusion.consensus import SCHEMES, polynomial
@@ -13,7 +13,6 @@ from wsn_tracking.fusion.exchange import Exchange
 from wsn_tracking.fusion.weights import GAIN, chebyshev_factors, chebyshev_guard, contraction, metropolis
 from wsn_tracking.models.graph import adjacency, component_sizes, degrees, diameter, is_connected, reached
 
-seeds = st.integers(0, 2**32 - 1)
 sizes = st.integers(1, 12)
 
 

@@ -4,12 +4,11 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from oracles import at_least, ci, ci_trace, covariances, ici_pair, minimiser, optimality_gap, properties
+from oracles import at_least, ci, ci_trace, covariances, ici_pair, minimiser, optimality_gap, properties, seeds
 
 from wsn_tracking.fusion import covariance_intersection as fusion
 from wsn_tracking.fusion.simplex import minimise_trace, objective
 
-seeds = st.integers(0, 2**32 - 1)
 counts = st.integers(1, 5)
 sizes = st.integers(1, 5)
 

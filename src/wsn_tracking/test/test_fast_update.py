@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from oracles import LOOP, NOISE, H, beliefs, covariances, properties, some_silent
+from oracles import LOOP, NOISE, H, beliefs, covariances, properties, seeds, some_silent
 
 from wsn_tracking.filters import blocks, gram, qr
 from wsn_tracking.filters.belief import Belief
@@ -16,7 +16,6 @@ from wsn_tracking.models.draws import Stream, keyed
 from wsn_tracking.models.measurement import POSITION, constant_noise, rssi_function
 from wsn_tracking.models.motion import constant_velocity
 
-seeds = st.integers(0, 2**32 - 1)
 shapes = st.sampled_from([(), (1,), (3,), (2, 3), (gram.WRITTEN_OUT,), (2, gram.WRITTEN_OUT)])
 kappas = st.sampled_from([0.0, 0.5, 2.0])
 words = st.integers(0, 2**64 - 1)

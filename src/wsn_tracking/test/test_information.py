@@ -5,7 +5,7 @@ import pytest
 from consensus_cases import R, dense_contribution, dense_moments, density, turned
 from hypothesis import given
 from hypothesis import strategies as st
-from oracles import properties
+from oracles import properties, seeds
 
 from wsn_tracking.filters import information
 from wsn_tracking.filters.belief import Belief
@@ -21,7 +21,6 @@ from wsn_tracking.filters.information import (
 from wsn_tracking.filters.triangular import forward, inverse
 from wsn_tracking.models.range_bearing import innovation, range_bearing_function, wrapped
 
-seeds = st.integers(0, 2**32 - 1)
 LOSS = {'uniform': information.uniform(600.0), 'zero': information.zero, 'absent': information.absent}
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from oracles import LOOP, NOISE, H, dense_ckf, dense_predict, properties
+from oracles import LOOP, NOISE, H, dense_ckf, dense_predict, properties, seeds
 
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.evaluation.monte_carlo import repeated, sense, start_near, track
@@ -332,8 +332,6 @@ def test_an_epoch_of_nothing_leaves_the_belief_alone():
 
 
 # --- fusion
-
-seeds = st.integers(0, 2**32 - 1)
 
 
 def locals_of(seed, count=3, k=0):

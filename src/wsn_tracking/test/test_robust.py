@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from oracles import LOOP, NOISE, H, beliefs, covariances, kalman, properties, some_silent
+from oracles import LOOP, NOISE, H, beliefs, covariances, kalman, properties, seeds, some_silent
 
 from wsn_tracking.filters.belief import Belief
 from wsn_tracking.filters.cubature import points, regress
@@ -31,7 +31,6 @@ from wsn_tracking.trackers.random_q_config import (
     UpdateConfig,
 )
 
-seeds = st.integers(0, 2**32 - 1)
 IDS = LOOP.anchors.ids.tolist()
 
 

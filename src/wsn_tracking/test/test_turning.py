@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 from hypothesis import given, settings
-from hypothesis import strategies as st
-from oracles import covariances, properties
+from oracles import covariances, properties, seeds
 from turning_cases import dense_predict, dense_update, differences, integrated, noise, turned
 
 from wsn_tracking.errors import TrackingError
@@ -17,7 +16,6 @@ from wsn_tracking.models.noise import turn_noise
 from wsn_tracking.trackers.loss_tolerant_config import LossTolerantConfig, TurnConfig, TurningStartConfig
 from wsn_tracking.trackers.turning import filter_of, held, with_turn
 
-seeds = st.integers(0, 2**32 - 1)
 SCALE = np.array([4.0, 4.0, 1.5, 1.5, 0.1])
 SV, SW = 0.4, np.radians(1.5)
 ANCHORS = make_anchors(
