@@ -7,12 +7,13 @@ import numpy as np
 import pytest
 from consensus_cases import dense_centralised
 
-from wsn_tracking.evaluation import benchmark_consensus, consensus_study
+from wsn_tracking.evaluation import benchmark_consensus, consensus_study, study_consensus_scaling
 from wsn_tracking.evaluation import consensus_runs as runs_of
 from wsn_tracking.evaluation.benchmark_rows import Sizes
 from wsn_tracking.evaluation.consensus_raw import track_raw
 from wsn_tracking.evaluation.consensus_runs import mean_nees, mode_accuracy, rmse, sample, some, traffic
-from wsn_tracking.evaluation.consensus_study import at, chebyshev_at_its_guard
+from wsn_tracking.evaluation.study_consensus_faults import at
+from wsn_tracking.evaluation.study_consensus_schemes import chebyshev_at_its_guard
 from wsn_tracking.filters.belief import Belief
 from wsn_tracking.fusion import consensus
 from wsn_tracking.fusion.weights import contraction, metropolis
@@ -266,7 +267,7 @@ def test_different_priors_converge(worlds, track):
 
 
 def test_the_study_writes_every_table(tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr(consensus_study, 'SIZES', (10, 25))
+    monkeypatch.setattr(study_consensus_scaling, 'SIZES', (10, 25))
     assert consensus_study.main(['-o', str(tmp_path), '--runs', '1']) == 0
     content = json.loads((tmp_path / 'consensus.json').read_text())
     assert list(content['tables']) == ['schemes', 'ten_bytes', 'faults', 'links', 'scaling']

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from reproduction_cases import SETTING
 
-from wsn_tracking.reproduction import c_people
+from wsn_tracking.reproduction import c_sweeps
 from wsn_tracking.reproduction.catalogue import CLAIMS, experiments_of
 from wsn_tracking.reproduction.claims import BEYOND, MEASURED, PICTURE
 from wsn_tracking.reproduction.content import content
@@ -21,8 +21,8 @@ RUNS = 2
 def shorter():
     """Three of the noises and spacings of C."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(c_people, 'NOISES', c_people.NOISES[:1] + c_people.NOISES[2:4])
-        patch.setattr(c_people, 'SPACINGS', dict(list(c_people.SPACINGS.items())[:3]))
+        patch.setattr(c_sweeps, 'NOISES', c_sweeps.NOISES[:1] + c_sweeps.NOISES[2:4])
+        patch.setattr(c_sweeps, 'SPACINGS', dict(list(c_sweeps.SPACINGS.items())[:3]))
         yield
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from wsn_tracking.errors import TrackingError
-from wsn_tracking.reproduction.b_field import LAYOUTS
+from wsn_tracking.reproduction.b_layouts import LAYOUTS
 from wsn_tracking.reproduction.claims import PICTURE, Experiment
 from wsn_tracking.reproduction.engine import Workers, run, unit, unit_seed
 

@@ -10,7 +10,6 @@ import numpy as np
 from wsn_tracking.evaluation import consensus_runs as runs_of
 from wsn_tracking.evaluation.consensus_runs import SETTLED, Scores, Worlds
 from wsn_tracking.models.anchors import Floats
-from wsn_tracking.models.graph import adjacency, component_sizes, is_connected
 from wsn_tracking.reproduction.claims import PICTURE, Claim, Experiment, Figure, Plot, Samples, Series
 from wsn_tracking.reproduction.quantities import curve, mean, path, ratio, root_mean
 from wsn_tracking.simulation.b_field import FieldConfig
@@ -172,33 +171,6 @@ def plots_4_5(s: Samples) -> Sequence[Plot]:
     ]
 
 
-# ---- the radio radius that the document gives
-
-
-def layouts(seed: int, runs: int) -> Samples:
-    """Random layouts with the document's radius of 50 m: whether they are one network, how large a node's part is."""
-    config = replace(FieldConfig(), radius=0.0)
-    drawn = np.random.default_rng(seed).random((runs, config.nodes, 2)) * (config.width, config.depth)
-    graph = adjacency(drawn, 50.0)
-    return {
-        'connected': is_connected(graph).astype(np.float64),
-        'part': component_sizes(graph).mean(axis=-1).astype(np.float64),
-    }
-
-
-LAYOUTS = Experiment('b layouts', layouts, runs=1000, units=10, quick=2)
-
-
-def radius(s: Samples) -> Sequence[Figure]:
-    """Random layouts at 50 m."""
-    return [
-        mean('layouts that are one network', s['connected'], '%', 100.0, document='all'),
-        mean(
-            'nodes that hear each other, in any number of hops', s['part'], 'of 50', document=50.0, shape=(49.0, None)
-        ),
-    ]
-
-
 CLAIMS = (
     Claim(
         'B1',
@@ -231,16 +203,5 @@ CLAIMS = (
         'A lost observation of the document reads noise about zero, a range of some 0.1 m: any node tells that from '
         "the target's, alone or not. What made the document's lone nodes fail is not in it. With faults that read "
         'anything, alone is a little worse.',
-    ),
-    Claim(
-        'B4',
-        'B',
-        'section 3',
-        'Fifty nodes at random on 350 x 400 m with a radio radius of 50 m reach consensus.',
-        LAYOUTS,
-        radius,
-        remark='A radius of 50 m leaves islands; ours is 100 m, and layouts are drawn until they are one network.',
-        impossible='No random layout of fifty nodes is one network at 50 m, so no scheme between neighbours can bring '
-        "its nodes to agree. The layout of the document's figure 1 is not given.",
     ),
 )

@@ -12,7 +12,7 @@ from wsn_tracking.evaluation.human_runs import distances, sample, track
 from wsn_tracking.evaluation.study_human import IMPROVED, PAPER_MAX, baseline
 from wsn_tracking.evaluation.study_human_parts import recovery
 from wsn_tracking.models.anchors import Floats
-from wsn_tracking.reproduction.c_people import ONE, PAPER, compared, maps
+from wsn_tracking.reproduction.c_filters import ONE, PAPER, compared, maps
 from wsn_tracking.reproduction.claims import BEYOND, Claim, Experiment, Figure, Plot, Samples
 from wsn_tracking.reproduction.quantities import bars, mean, median, ratio, root_mean
 from wsn_tracking.simulation.c_body import BodyConfig

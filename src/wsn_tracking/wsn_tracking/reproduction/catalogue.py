@@ -8,13 +8,9 @@ from wsn_tracking.errors import TrackingError
 from wsn_tracking.reproduction import cross_table, document_a, document_b, document_c, document_d, document_e
 from wsn_tracking.reproduction.claims import Claim, Experiment
 
-CLAIMS: tuple[Claim, ...] = (
-    *document_a.CLAIMS,
-    *document_b.CLAIMS,
-    *document_c.CLAIMS,
-    *document_d.CLAIMS,
-    *document_e.CLAIMS,
-    *cross_table.CLAIMS,
+ROOMS = (document_a, document_b, document_c, document_d, document_e, cross_table)
+CLAIMS: tuple[Claim, ...] = tuple(
+    sorted((claim for room in ROOMS for claim in room.CLAIMS), key=lambda claim: (claim.document, int(claim.id[1:])))
 )
 DOCUMENTS = tuple(dict.fromkeys(claim.document for claim in CLAIMS))
 

@@ -2,6 +2,6 @@
 
 from __future__ import annotations
 
-from wsn_tracking.reproduction import c_beyond, c_channel, c_people
+from wsn_tracking.reproduction import c_beyond, c_channel, c_corridor, c_sweeps, c_walks
 
-CLAIMS = (*c_people.CLAIMS, *c_channel.CLAIMS, *c_beyond.CLAIMS)
+CLAIMS = (*c_walks.CLAIMS, *c_sweeps.CLAIMS, *c_corridor.CLAIMS, *c_channel.CLAIMS, *c_beyond.CLAIMS)
