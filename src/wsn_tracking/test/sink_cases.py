@@ -1,12 +1,14 @@
 """A host that talks to a simulated device without a line between them, and worlds behind it."""
 
+import pytest
 from zstack_cases import line_bytes, parse
 
 from wsn_tracking.zstack import commands as c
 from wsn_tracking.zstack.bad import Bad
 from wsn_tracking.zstack.device import Device
+from wsn_tracking.zstack.firmware.chip import Mote
 from wsn_tracking.zstack.firmware.flavour import FLAVOURS
-from wsn_tracking.zstack.frames import Frame
+from wsn_tracking.zstack.frames import Frame, Kind, encode_frame
 from wsn_tracking.zstack.on_board import in_radius
 from wsn_tracking.zstack.protocols import Radio, protocol_of
 from wsn_tracking.zstack.reports import Report
@@ -17,6 +19,8 @@ from wsn_tracking.zstack.traffic import AirEpoch, Reading, TrafficConfig
 RADIO = Radio()
 REGISTER = c.AfRegister(0xE8, 0xBF01, in_clusters=(0x10,))
 QUIET = TrafficConfig(heartbeat=0.0)
+BOTH = pytest.mark.parametrize('flavour', ['home_1_2', 'zstack_3_0'])
+MOTE = Mote(0x143E, 0x00124B0014000003)
 
 
 def device(flavour='home_1_2', **more):
@@ -32,6 +36,14 @@ def understood(data):
 def asked(sink, question, now=0.0):
     """All that the sink says at once."""
     return understood(sink.feed(question if isinstance(question, bytes) else line_bytes(question), now))
+
+
+def data_of(sink, header, data='', now=0.0):
+    """The data of the one answer to a request that our side has no command for."""
+    said = parse(sink.feed(encode_frame(frame(header, data)), now))
+    (answer,) = [each for each in said if each.kind == Kind.SRSP]
+    assert answer.header == header + 0x4000, answer
+    return answer.data
 
 
 def frame(header, data=''):
