@@ -11,6 +11,7 @@ from wsn_tracking.reproduction.catalogue import CLAIMS, experiments_of
 from wsn_tracking.reproduction.claims import BEYOND, MEASURED, PICTURE
 from wsn_tracking.reproduction.content import content
 from wsn_tracking.reproduction.engine import unit
+from wsn_tracking.reproduction.forest import shown
 from wsn_tracking.reproduction.page import page
 
 OWN = [claim for claim in CLAIMS if claim.document != 'X']  # those of all systems: test_reproduction_cross.py
@@ -51,6 +52,11 @@ def test_every_claim_has_figures_or_says_why_not(found):
         assert bool(claim['figures']) != (bool(claim['impossible']) and claim['experiment'] is None), claim['id']
         names = [figure['name'] for figure in claim['figures']]
         assert len(set(names)) == len(names), claim['id']
+
+
+def test_every_claim_has_a_plot_or_nothing_to_draw(found):
+    for claim in found['claims']:
+        assert bool(claim['plots'] or shown(claim['figures'])) == bool(claim['figures']), claim['id']
 
 
 def test_every_number_of_a_document_stands_beside_ours():

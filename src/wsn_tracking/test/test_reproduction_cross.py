@@ -15,9 +15,10 @@ from wsn_tracking.graphs import open_bag
 from wsn_tracking.reproduction import cross, reproduce
 from wsn_tracking.reproduction.claims import MEASURED
 from wsn_tracking.reproduction.content import content
+from wsn_tracking.reproduction.cross_claims import CLAIMS
 from wsn_tracking.reproduction.cross_fields import FIELDS, Ready, simulated, without_bodies
 from wsn_tracking.reproduction.cross_systems import CONTENDERS, bodiless, measured
-from wsn_tracking.reproduction.cross_table import CLAIMS, COLUMNS, table
+from wsn_tracking.reproduction.cross_table import COLUMNS, table
 from wsn_tracking.reproduction.page import page
 from wsn_tracking.sensing.values import Rssi
 

@@ -55,7 +55,16 @@ def test_the_report_needs_nothing_from_elsewhere(found):
     assert 'http' not in re.sub(r'base64,[\w+/=]*', '', text)
     places = {f'#{name}' for name in re.findall(r' id="(\w+)"', text)}
     assert all(link in places or link.startswith('data:') for link in re.findall(r'(?:src|href)="([^"]+)', text))
-    assert text.count('<img') == sum(len(claim['plots']) for claim in found['claims']) > 0
+
+
+def test_every_claim_with_figures_has_a_picture(found):
+    """Its own, or its figures beside the rules."""
+    told = {claim['id']: claim for claim in found['claims']}
+    assert told['A1']['plots']
+    assert not told['B4']['plots']
+    sections = re.findall(r'<section id="(\w+)">(.*?)</section>', page(found), re.DOTALL)
+    pictures = {name: text.count('<img') for name, text in sections}
+    assert pictures == {name: len(claim['plots']) or 1 for name, claim in told.items()}
 
 
 def test_the_json_is_the_same_again(found):

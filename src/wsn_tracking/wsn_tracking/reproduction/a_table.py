@@ -78,6 +78,14 @@ def cells(s: Samples) -> list[Figure]:
     return found
 
 
+def plot_locals(s: Samples) -> Sequence[Plot]:
+    """What a bad interval costs."""
+    best, names = (6.0, 8.0), [key(i) for i in INTERVALS]
+    ours = [(name, change('', s[f'local {name}'], s[f'local {key(best)}'])) for name in names]
+    told = Series('document', names, [100.0 * (told_local(i) / told_local(best) - 1.0) for i in INTERVALS])
+    return [Plot('Local filters', 'q drawn from', 'EI against that of [6,8] [%]', [bars('ours', ours), told])]
+
+
 # ---- fusion
 
 
@@ -158,6 +166,7 @@ CLAIMS = (
         'Locals with q drawn at random are the worse, the farther their interval lies from 7, and [2,6] is worst.',
         CIRCLE,
         order,
+        plot_locals,
     ),
     Claim(
         'A4',

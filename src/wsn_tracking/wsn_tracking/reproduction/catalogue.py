@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from wsn_tracking.errors import TrackingError
-from wsn_tracking.reproduction import cross_table, document_a, document_b, document_c, document_d, document_e
+from wsn_tracking.reproduction import cross_claims, document_a, document_b, document_c, document_d, document_e
 from wsn_tracking.reproduction.claims import Claim, Experiment
 
-ROOMS = (document_a, document_b, document_c, document_d, document_e, cross_table)
+ROOMS = (document_a, document_b, document_c, document_d, document_e, cross_claims)
 CLAIMS: tuple[Claim, ...] = tuple(
     sorted((claim for room in ROOMS for claim in room.CLAIMS), key=lambda claim: (claim.document, int(claim.id[1:])))
 )

@@ -16,7 +16,7 @@ from wsn_tracking.models.motion import turn_jacobian
 from wsn_tracking.models.noise import turn_noise
 from wsn_tracking.models.radio import relative_range_std
 from wsn_tracking.reproduction.claims import BEYOND, Claim, Experiment, Figure, Plot, Samples, Series, nothing
-from wsn_tracking.reproduction.quantities import curve, mean, median, ratio
+from wsn_tracking.reproduction.quantities import bars, curve, mean, median, ratio
 from wsn_tracking.simulation.e_loss import PERIOD, anchors_of
 from wsn_tracking.trackers.loss_tolerant_config import LossTolerantConfig
 
@@ -130,6 +130,18 @@ def honest(s: Samples) -> Sequence[Figure]:
     ]
 
 
+def honesty(s: Samples) -> Sequence[Plot]:
+    """NEES and distance to the best by rate."""
+    nees = [(p, median('', s[f'ckf {p:g}: nees'])) for p in RATES]
+    best = [(p, ratio('', s[f'ckf {p:g}: squares'], s[f'bound {p:g}'], root=True)) for p in RATES]
+    right = Series('honest', [RATES[0], RATES[-1]], [2.0, 2.0], style='truth')
+    rate = 'share of lost packets'
+    return [
+        Plot('Does it know its error?', rate, 'NEES of the median run', [right, bars('ours', nees)]),
+        Plot('Distance to the best', rate, 'RMSE / best', [bars('ours', best)]),
+    ]
+
+
 CLAIMS = (
     Claim(
         'E1',
@@ -177,7 +189,8 @@ CLAIMS = (
         'The error grows with the loss rate, and the filter knows by how much.',
         SWEEP,
         honest,
-        remark='NEES are medians, since one track that is lost outweighs all others in a mean. Best: a filter with the '
+        honesty,
+        'NEES are medians, since one track that is lost outweighs all others in a mean. Best: a filter with the '
         'same noise that is linearised at the truth (Cramer-Rao recursion along each true path).',
         kind=BEYOND,
     ),

@@ -11,6 +11,7 @@ from typing import Any
 from wsn_tracking.reproduction import guide
 from wsn_tracking.reproduction.digest import number
 from wsn_tracking.reproduction.drawings import svg
+from wsn_tracking.reproduction.forest import forest, shown
 from wsn_tracking.reproduction.verdicts import judged, verdicts
 
 Json = Mapping[str, Any]
@@ -103,7 +104,7 @@ def _claim(claim: Json, verdict: str, commit: str) -> str:
         ]
         for f in claim['figures']
     ]
-    pictures = ''.join(_picture(plot) for plot in claim['plots'])
+    pictures = ''.join(_picture(plot) for plot in claim['plots']) or _intervals(claim)
     heads = ['', 'document', 'ours', '95 % interval', '', 'rule on the shape', 'rule on the number']
     used = [i for i in range(len(heads)) if any(row[i] for row in rows)]  # a column of nothing tells nothing
     heads, rows = [heads[i] for i in used], [[row[i] for i in used] for row in rows]
@@ -136,8 +137,17 @@ def _rule(figure: Json, kind: str) -> str:
 
 
 def _picture(plot: Json) -> str:
-    data = base64.b64encode(svg(plot)).decode()
-    return f'<figure><img alt="{escape(plot["title"])}" src="data:image/svg+xml;base64,{data}"></figure>'
+    return _image(plot['title'], svg(plot))
+
+
+def _intervals(claim: Json) -> str:
+    """A claim that has no plot of its own, but figures."""
+    return _image(f'{claim["id"]}: figures and rules', forest(claim)) if shown(claim['figures']) else ''
+
+
+def _image(alt: str, drawn: bytes) -> str:
+    data = base64.b64encode(drawn).decode()
+    return f'<figure><img alt="{escape(alt)}" src="data:image/svg+xml;base64,{data}"></figure>'
 
 
 def _table(table: Json) -> str:

@@ -79,8 +79,8 @@ def curve(name: str, x: Sequence[float], values: Floats, root: bool = False, sca
     return Series(name, list(x), *((scale * v).tolist() for v in (m, low, high)))
 
 
-def bars(name: str, figures: Sequence[tuple[str, Figure]]) -> Series:
-    """A row of bars: a label and the figure it shows."""
+def bars(name: str, figures: Sequence[tuple[str | float, Figure]]) -> Series:
+    """A row of bars: a label and the figure it shows. With numbers as labels they make a line."""
     ends = np.array([figure.ours['interval_95'] for _, figure in figures], dtype=np.float64)
     values = [float(np.asarray(figure.ours['value'])) for _, figure in figures]
     return Series(name, [label for label, _ in figures], values, ends[:, 0].tolist(), ends[:, 1].tolist())
