@@ -54,13 +54,3 @@ def tracked(epochs, config=None, anchors=ANCHORS, target=1):
 def errors(estimates, truth):
     """Distances (K,) [m]."""
     return np.linalg.norm(np.array([e.mean[:2] for e in estimates]) - truth, axis=-1)
-
-
-def same(first, second):
-    """Whether estimates are equal to the last bit."""
-    return all(
-        a._replace(mean=0, covariance=0, q=0) == b._replace(mean=0, covariance=0, q=0)
-        and np.array_equal(a.mean, b.mean)
-        and np.array_equal(a.covariance, b.covariance)
-        for a, b in zip(first, second, strict=True)
-    )

@@ -5,8 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hybrid_cases import ANCHORS, PERIOD_NS, S, epoch_of, errors, recorded, same, tracked, walk_of
+from hybrid_cases import ANCHORS, PERIOD_NS, S, epoch_of, errors, recorded, tracked, walk_of
 
+from wsn_tracking.bags.estimates import differences
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.evaluation.metrics import nees
 from wsn_tracking.models.anchors import make_anchors
@@ -30,8 +31,8 @@ def test_two_interleaved_targets_are_two_separate_runs_to_the_last_bit():
     for pair in zip(own[1], own[2], strict=True):
         for epoch in pair:
             together[epoch.target_id] += trackers[epoch.target_id].step(epoch)
-    assert same(separate[1], together[1])
-    assert same(separate[2], together[2])
+    assert differences(separate[1], together[1]) == []
+    assert differences(separate[2], together[2]) == []
 
 
 def test_before_the_start_the_target_may_be_anywhere_in_the_area():
@@ -144,7 +145,7 @@ def test_what_cannot_be_used_is_counted_and_changes_nothing():
     )
     dirty = [*epochs[:100], epochs[100]._replace(measurements=(*epochs[100].measurements, *junk)), *epochs[101:]]
     tracker, estimates = tracked(dirty)
-    assert same(estimates, tracked(epochs)[1])
+    assert differences(estimates, tracked(epochs)[1]) == []
     counted = {k: tracker.counters[k] for k in ('unknown_node', 'other_target', 'unusable', 'late')}
     assert counted == {'unknown_node': 1, 'other_target': 1, 'unusable': 3, 'late': 1}
 
@@ -163,7 +164,7 @@ def test_of_range_and_bearing_the_range_counts():
     ]
     without = [e._replace(measurements=tuple(p for p in e.measurements if p.node_id != 7)) for e in ranges]
     tracker, estimates = tracked(seen)
-    assert same(estimates, tracked(without)[1])
+    assert differences(estimates, tracked(without)[1]) == []
     assert not [name for name in ('unusable', 'gated', 'late') if tracker.counters[name]]
 
 
@@ -250,7 +251,7 @@ def test_a_reset_tracker_is_a_new_one():
     epochs, _ = recorded('d_stop', 5, rest=0.5)
     tracker, first = tracked(epochs)
     tracker.reset()
-    assert same(first, [tracker.step(epoch)[0] for epoch in epochs])
+    assert differences(first, [tracker.step(epoch)[0] for epoch in epochs]) == []
 
 
 # --- where least squares is not possible
@@ -419,5 +420,5 @@ def test_stamps_count_not_numbers():
         for e in epochs
     ]  # fmt: skip
     first, second = tracked(epochs)[1], tracked(moved)[1]
-    assert same(first, [e._replace(stamp_ns=e.stamp_ns - 3600 * S) for e in second])
+    assert differences(first, [e._replace(stamp_ns=e.stamp_ns - 3600 * S) for e in second]) == []
     assert epochs[1].stamp_ns == PERIOD_NS

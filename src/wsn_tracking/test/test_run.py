@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from graph_cases import a_loop, ranged, with_second_target, without_truth
 
+from wsn_tracking.bags.estimates import differences
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.evaluation.run import Sensing, epochs_of, run_random_q, summarise
 from wsn_tracking.graphs import source_of
@@ -32,12 +33,6 @@ def estimators(n=3, **options):
 
 def run(recording=None, sensing=SENSING, configs=None, target_id=-1):
     return run_random_q(recording or a_loop(12), sensing, configs or estimators(), target_id)
-
-
-def same(one, other):
-    """Whether two series are equal to the last bit."""
-    assert len(one) == len(other)
-    return all(repr(a) == repr(b) and a.mean.tobytes() == b.mean.tobytes() for a, b in zip(one, other, strict=True))
 
 
 # ---- what comes out
@@ -75,18 +70,18 @@ def test_an_estimator_that_hears_only_some_nodes_is_one_in_a_field_of_only_those
     some = (1, 2, 5, 6)
     apart = run(configs=[dataclasses.replace(c, nodes=some if c.id == 1 else ()) for c in estimators()])
     assert {node for e in apart.estimates['local_1'] for node in e.measurements} <= set(some)
-    assert same(apart.estimates['local_2'], run().estimates['local_2'])
+    assert differences(apart.estimates['local_2'], run().estimates['local_2']) == []
     full = a_loop(12)
     heard = tuple(m for m in full.messages if not isinstance(m, Rssi) or m.node_id in some)
     ends = tuple(m._replace(node_ids=some, seqs=(m.request_seq,) * 4) if isinstance(m, EpochEnd) else m for m in heard)
     smaller = full._replace(anchors=full.anchors.select(some), messages=ends)
-    assert same(apart.estimates['local_1'], run(smaller).estimates['local_1'])
+    assert differences(apart.estimates['local_1'], run(smaller).estimates['local_1']) == []
 
 
 def test_with_feedback_estimators_go_on_from_the_fused_estimate():
     plain, fed = run(), run(configs=estimators(fusion=FusionConfig(feedback=True)))
-    assert same(plain.estimates['local_1'][:1], fed.estimates['local_1'][:1])
-    assert not same(plain.estimates['local_1'][1:], fed.estimates['local_1'][1:])
+    assert differences(plain.estimates['local_1'][:1], fed.estimates['local_1'][:1]) == []
+    assert differences(plain.estimates['local_1'][1:], fed.estimates['local_1'][1:])
     # after a feedback all estimators share the past: what differs is one epoch's own noise
     spread = {name: np.ptp([r.estimates[f'local_{i}'][-1].mean[:2] for i in (1, 2, 3)], axis=0).max()
               for name, r in (('plain', plain), ('fed', fed))}  # fmt: skip
@@ -117,7 +112,7 @@ def test_ranges_that_were_recorded_give_what_the_signal_strengths_gave_to_the_la
     replayed = run(ranged(a_loop(12), trigger, reports=reports), sensing=None)
     assert set(sensed.estimates) == set(replayed.estimates)
     for name, estimates in sensed.estimates.items():
-        assert same(estimates, replayed.estimates[name])
+        assert differences(estimates, replayed.estimates[name]) == []
     assert replayed.reports == (sensed.reports if reports else ())
 
 
@@ -128,7 +123,7 @@ def test_the_order_within_an_epoch_changes_nothing():
         messages += [epoch[-1], *epoch[-2:0:-1], epoch[0]]  # the end first, the request last
     shuffled = run(a_loop(12)._replace(messages=tuple(messages)))
     for name, estimates in run().estimates.items():
-        assert same(estimates, shuffled.estimates[name])
+        assert differences(estimates, shuffled.estimates[name]) == []
 
 
 def test_another_target_in_between_changes_nothing():
@@ -136,7 +131,7 @@ def test_another_target_in_between_changes_nothing():
     for target_id in (-1, 1):
         result = run(both, target_id=target_id)
         for name, estimates in run().estimates.items():
-            assert same(estimates, result.estimates[name])
+            assert differences(estimates, result.estimates[name]) == []
         assert result.dropped == {'other_target': 12 * 14}
     other = run(both, target_id=4)
     assert {e.target_id for e in other.estimates['fused_1']} == {4}
@@ -157,8 +152,8 @@ def test_a_looped_recording_starts_anew():
     result, single = run(twice, Sensing(TRIGGER, 0)), run(once, Sensing(TRIGGER, 0))
     assert result.epochs == 16
     for name, estimates in single.estimates.items():
-        assert same(result.estimates[name][:8], estimates)
-        assert same(result.estimates[name][8:], estimates)
+        assert differences(result.estimates[name][:8], estimates) == []
+        assert differences(result.estimates[name][8:], estimates) == []
     assert result.reports[8:] == single.reports
     assert result.dropped == {}
 
@@ -173,7 +168,7 @@ def test_a_target_that_counts_anew_is_tracked_on():
     result = run(once._replace(messages=tuple(anew)))
     assert result.epochs == 12
     assert [e.request_seq for e in result.estimates['fused_1']] == [*range(7), *range(5)]
-    assert same(result.estimates['fused_1'][:7], run().estimates['fused_1'][:7])
+    assert differences(result.estimates['fused_1'][:7], run().estimates['fused_1'][:7]) == []
     assert {e.kind for e in result.estimates['fused_1'][7:]} == {Kind.FUSED}  # no new start: the track goes on
     assert result.dropped == {}
 
@@ -275,7 +270,7 @@ def test_without_truth_there_is_nothing_to_score():
     assert summary.outputs == {}
     assert summary.target_id == 1
     for name, estimates in run().estimates.items():
-        assert same(estimates, result.estimates[name])  # truth is for the judge alone
+        assert differences(estimates, result.estimates[name]) == []  # truth is for the judge alone
 
 
 # ---- the plan of a graph
