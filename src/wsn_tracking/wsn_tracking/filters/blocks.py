@@ -9,7 +9,7 @@ import numpy as np
 from wsn_tracking.filters.belief import Belief
 from wsn_tracking.models.anchors import Floats
 
-BLOCK = 512  # filters at a time
+BLOCK = 256  # filters at a time
 
 Pass = Callable[[Belief, Belief, Floats, Floats], Belief]
 

@@ -30,9 +30,29 @@ class Regression(NamedTuple):
     are zero.
     """
 
-    z_hat: Floats  # (..., N)
-    O: Floats  # (..., N, n): the odd part
-    E: Floats  # (..., N, n): the even part
+    rows: Floats  # (..., e + d + 1, N): the columns of E, those of O from the last to the first, z_hat
+    d: int  # columns of O
+
+    @classmethod
+    def of(cls, z_hat: Floats, O: Floats, E: Floats) -> Regression:
+        """From z_hat (..., N), O (..., N, d) and E (..., N, e)."""
+        columns = np.concatenate([E, O[..., ::-1], z_hat[..., None]], axis=-1)
+        return cls(transpose(columns), O.shape[-1])
+
+    @property
+    def z_hat(self) -> Floats:
+        """(..., N)."""
+        return self.rows[..., -1, :]
+
+    @property
+    def O(self) -> Floats:  # noqa: E743
+        """The odd part (..., N, d)."""
+        return transpose(self.rows[..., -2 : -2 - self.d : -1, :])
+
+    @property
+    def E(self) -> Floats:
+        """The even part (..., N, e)."""
+        return transpose(self.rows[..., : -1 - self.d, :])
 
 
 def regress(h: Function, belief: Belief, kappa: float = 0.0) -> Regression:
@@ -42,15 +62,14 @@ def regress(h: Function, belief: Belief, kappa: float = 0.0) -> Regression:
     elsewhere all read the same, which is the centre of the smaller rule, and every moment stays as it was.
     """
     n = belief.m.shape[-1]
-    rows = _rule(n, kappa).combinations @ h(points(belief, kappa))
-    return Regression(rows[..., 2 * n, :], transpose(rows[..., :n, :]), transpose(rows[..., n : 2 * n, :]))
+    return Regression(_rule(n, kappa).combinations @ h(points(belief, kappa)), n)
 
 
 class _Rule(NamedTuple):
     """The rule as two matrices."""
 
     directions: Floats  # (K, n): points less the mean, against the root
-    combinations: Floats  # (2n + 1, K): O', E' and z_hat of the readings at the points
+    combinations: Floats  # (2n + 1, K): the rows of a Regression, of the readings at the points
 
 
 @lru_cache
@@ -63,8 +82,9 @@ def _rule(n: int, kappa: float) -> _Rule:
     eye, one, scale = np.eye(n), np.ones((1, n)), 0.5 / np.sqrt(n + kappa)
     centre = np.sqrt(kappa / (n + kappa))  # 1 - n g
     even = eye - (1.0 - centre) / n
-    pairs = np.block([[scale * eye, -scale * eye], [scale * even, scale * even], [0.5 / (n + kappa) * one] * 2])
-    middle = np.concatenate([np.zeros(n), np.full(n, -2.0 * scale * centre), [kappa / (n + kappa)]])
+    odd = scale * eye[::-1]
+    pairs = np.block([[scale * even, scale * even], [odd, -odd], [0.5 / (n + kappa) * one] * 2])
+    middle = np.concatenate([np.full(n, -2.0 * scale * centre), np.zeros(n), [kappa / (n + kappa)]])
     directions = np.sqrt(n + kappa) * np.concatenate([eye, -eye])
     if kappa == 0.0:
         return _Rule(directions, pairs)

@@ -19,7 +19,7 @@ from wsn_tracking.models.anchors import Floats, Mask
 TRUST = 1e-5  # least share of a variance that what came before leaves unexplained: rounding grows to 1e-16 over it
 WRITTEN_OUT = 64  # matrices from which on steps over all of them at once are faster than LAPACK one by one
 AMPLE = 1e12  # more than the squared norm of any row of what stands below a matrix
-TINY = 1e-200  # least variance that is told apart from zero
+TINY = 1e-100  # least deviation that is told apart from zero
 
 
 class Root(NamedTuple):
@@ -82,19 +82,20 @@ def condition(prior: Belief, z: Floats, missing: Mask, r: Regression, root_R: Fl
     chol_P+ = chol_P L_uu^-T and m+ = m + chol_P+ (L^-1 b)_u. Both come with that factor, as rows b' and [0, chol_P]
     below J. A missing row has no information; columns of chol_P that no reading looks at stay as they are.
     """
-    d, n = r.O.shape[-1], prior.m.shape[-1]
-    k = r.E.shape[-1] + d
-    information = np.where(missing, 0.0, 1.0 / (root_R * root_R + TINY))
-    innovation = np.where(missing, 0.0, z - r.z_hat)
+    d, n = r.d, prior.m.shape[-1]
+    k = r.rows.shape[-2] - 1
+    innovation = z - r.z_hat
     batch = innovation.shape[:-1]
-    deviations = np.empty((*batch, k + 1, innovation.shape[-1]))
-    deviations[..., : k - d, :] = transpose(r.E)
-    deviations[..., k - d : k, :] = transpose(r.O)[..., ::-1, :]
-    deviations[..., k, :] = innovation
+    white = np.empty((*batch, *r.rows.shape[-2:]))
+    white[...] = r.rows
+    white[..., k, :] = innovation
+    white /= (root_R + TINY)[..., None, :]
+    np.copyto(white, 0.0, where=missing[..., None, :])
     frame = _frame(k, k if large(batch) else k + 1 + n, k + 1 + n)
     A = np.empty(batch + frame.shape)
     A[...] = frame
-    A[..., : k + 1, :k] += (deviations * information[..., None, :]) @ transpose(deviations[..., :k, :])
+    J = A[..., : k + 1, :k]
+    J += white @ transpose(white[..., :k, :])
     A[..., k + 1 :, k - d : k] = prior.chol_P[..., :d][..., ::-1]
     L, trusted = cholesky(A, k)
     seen = L[..., k + 1 :, k - d :]

@@ -29,7 +29,7 @@ def tangent(h: Function, belief: Belief, seen: int) -> Regression:
     """h(x) ~ h(m) + O u with u = chol_P^-1 (x - m): no linearisation error is known."""
     m, chol_P = belief
     H = slope(h, m, seen)
-    return Regression(h(m[..., None, :seen])[..., 0, :], H @ chol_P[..., :seen, :seen], np.zeros((*H.shape[:-1], 0)))
+    return Regression.of(h(m[..., None, :seen])[..., 0, :], H @ chol_P[..., :seen, :seen], np.zeros((*H.shape[:-1], 0)))
 
 
 def slope(h: Function, m: Floats, seen: int) -> Floats:

@@ -78,9 +78,9 @@ def predicted_readings(
     A = transpose(np.linalg.solve(transpose(about.chol_P[..., :d, :d]), transpose(r.O)))
     z_hat = r.z_hat + matvec(A, prior.m[..., :d] - about.m[..., :d])
     if offsets == 0:
-        return Regression(z_hat, A @ prior.chol_P[..., :d, :d], r.E)
+        return Regression.of(z_hat, A @ prior.chol_P[..., :d, :d], r.E)
     O = A @ prior.chol_P[..., :d, :] + prior.chol_P[..., lead:, :]
-    return Regression(z_hat + prior.m[..., lead:], O, r.E)
+    return Regression.of(z_hat + prior.m[..., lead:], O, r.E)
 
 
 def condition(prior: Belief, z: Floats, r: Regression, root_R: Floats, form: str = 'gram') -> Belief:

@@ -14,6 +14,7 @@ STEPS = 60
 HALVINGS = 30
 TOLERANCE = 1e-12  # share of the objective that a last step gains: what is left after it is the square of that
 NOISE = 1e-15  # rounding of the objective, relative
+TINY = 1e-300  # keeps a weight at zero that stays there from 0 / 0
 
 Mask = NDArray[np.bool_]
 
@@ -56,8 +57,9 @@ def expand(Y: Floats, w: Floats) -> Expansion:
     PY = P[..., None, :, :] @ Y
     PYP = PY @ P[..., None, :, :]
     flat = (*PY.shape[:-2], PY.shape[-1] ** 2)
-    H = 2.0 * PYP.reshape(flat) @ PY.reshape(flat).swapaxes(-1, -2)
-    return Expansion(P.trace(axis1=-2, axis2=-1)[..., None], -PYP.trace(axis1=-2, axis2=-1), H)
+    rows = PY.reshape(flat)
+    g = -(rows @ P.reshape(*P.shape[:-2], flat[-1], 1))[..., 0]
+    return Expansion(P.trace(axis1=-2, axis2=-1)[..., None], g, 2.0 * PYP.reshape(flat) @ rows.swapaxes(-1, -2))
 
 
 def _direction(here: Expansion, w: Floats) -> Floats:
@@ -77,15 +79,14 @@ def _direction(here: Expansion, w: Floats) -> Floats:
 def _newton(here: Expansion, free: Mask) -> Floats:
     """Step of the free weights that keeps their sum: solve [[H, 1], [1', 0]] [s, l] = [-g, 0]."""
     J = free.shape[-1]
-    scale = here.H.trace(axis1=-2, axis2=-1)[..., None] / J
     # a whiff of the identity: estimates that are equal leave H singular, and any split of their weight is right
-    H = here.H / scale[..., None] + 1e-12 * identity(J)
+    H = here.H / here.f[..., None] + 1e-12 * identity(J)
     if not free.all():
         H = np.where(free[..., :, None] & free[..., None, :], H, identity(J))
     A = np.zeros((*free.shape[:-1], J + 1, J + 2))  # the last column is the right hand side
     A[..., :J, :J] = H
     A[..., :J, J] = A[..., J, :J] = free
-    A[..., :J, J + 1] = here.g * free / -scale
+    A[..., :J, J + 1] = here.g * free / -here.f
     return np.asarray(np.linalg.solve(A[..., :-1], A[..., -1:])[..., :J, 0] * free)
 
 
@@ -105,8 +106,7 @@ def _descend(Y: Floats, w: Floats, here: Expansion, step: Floats, last: Mask) ->
 
 def _limit(w: Floats, step: Floats) -> Floats:
     """How far, at most one step, the simplex reaches, (..., 1)."""
-    back = np.where(step < 0.0, step, -1.0)
-    return np.asarray(np.where(step < 0.0, w / -back, 1.0).min(axis=-1, keepdims=True, initial=1.0))
+    return np.asarray(((w + TINY) / (np.maximum(-step, w) + TINY)).min(axis=-1, keepdims=True))
 
 
 def _moved(w: Floats, step: Floats, length: Floats) -> Floats:
