@@ -9,8 +9,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from import_cases import folder, real_data
-from test_import_kolakowski import ANCHORS, HEADER, row, rssi
-from test_import_kolakowski import files as flat
+from kolakowski_cases import files as flat
+from kolakowski_cases import robot
 
 from wsn_tracking.configuration import load_configuration
 from wsn_tracking.errors import TrackingError
@@ -39,14 +39,6 @@ def plaza() -> bytes:
     }
     pytest.importorskip('scipy.io').savemat(out, tables_)
     return out.getvalue()
-
-
-def robot() -> str:
-    """Windows of a robot that drives along a wall for 20 s."""
-    rng = np.random.default_rng(2)
-    ways = [(k, 0.5 + 0.05 * k) for k in range(60)]
-    cells = [[f'{rssi(i, x, 2.0) + rng.normal():.3f}' for i in ANCHORS] for _, x in ways]
-    return HEADER + ''.join(row(k, x, 2.0, c) for (k, x), c in zip(ways, cells, strict=True))
 
 
 @pytest.fixture(scope='module')

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 from import_cases import folder, real_data
-from test_import_kolakowski import files as flat
-from test_real_radio import robot
+from kolakowski_cases import files as flat
+from kolakowski_cases import robot
 
 from wsn_tracking.configuration import load_configuration
 from wsn_tracking.graphs.parts import Source

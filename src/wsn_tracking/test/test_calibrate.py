@@ -1,0 +1,113 @@
+"""The command calibrate, and what evaluate and replay do with its file."""
+
+from __future__ import annotations
+
+import os
+from argparse import Namespace
+
+import numpy as np
+import pytest
+from channel_cases import a_channel, saved
+
+from wsn_tracking import graphs
+from wsn_tracking.bags.save import save
+from wsn_tracking.cli import main
+from wsn_tracking.commands.base import settings
+from wsn_tracking.errors import TrackingError
+from wsn_tracking.evaluation.run import summarise
+from wsn_tracking.models.radio import range_at
+from wsn_tracking.offline import offline
+from wsn_tracking.sensing.channel import calibrated, load_channel
+from wsn_tracking.sensing.values import Range, Rssi
+from wsn_tracking.simulation.record import record
+from wsn_tracking.simulation.scenarios import scenario
+from wsn_tracking.surveys import open_survey
+
+
+@pytest.fixture(scope='module')
+def bag(tmp_path_factory):
+    """A recording of radios that do not read what its anchors say: 6 dB weaker."""
+    recording = record(scenario('a_loop'), 3)
+    wrong = recording.anchors._replace(p1_dbm=recording.anchors.p1_dbm + 6.0)
+    path = tmp_path_factory.mktemp('bags') / 'wrong'
+    save(path, recording._replace(anchors=wrong))
+    return path
+
+
+def test_calibrate_finds_the_radio_of_a_bag_and_evaluate_uses_it(bag, tmp_path, capsys):
+    path = tmp_path / 'channel.yaml'
+    with pytest.raises(SystemExit, match='0'):
+        main(['calibrate', str(bag), '--until', '60', '-o', str(path)])
+    said = capsys.readouterr().out
+    assert 'until 60 s after the first message' in said
+    loss = load_channel(path).path_loss
+    assert np.mean((loss.p1_dbm.low <= -45.0) & (loss.p1_dbm.high >= -45.0)) > 0.8
+    assert np.mean((loss.n.low <= 3.0) & (loss.n.high >= 3.0)) > 0.8
+    assert load_channel(path).origin['until'] == '60 s after the first message'
+    source, recording = graphs.open_bag(str(bag))
+
+    def rmse(settings):
+        run = offline(source, recording, 'random_q', settings)
+        return summarise('x', recording, run, 5.0).outputs['fused_1'].rmse_m
+
+    near = {'trigger.kind': 'near', 'trigger.y_min': -60.0}
+    assert rmse({**near, 'channel': str(path)}) < 0.6 * rmse(near)
+
+
+def test_sensing_nodes_invert_with_the_channel(bag, tmp_path):
+    source, recording = graphs.open_bag(str(bag))
+    path = saved(tmp_path, a_channel(map_too=False)._replace(ids=np.array([1, 2, 3])))
+    anchors, _ = calibrated(path, recording.anchors)
+    run = offline(source, recording, 'random_q', {'channel': path, 'peers': [1]})
+    assert run.reports
+    y = np.full(12, -50.0)
+    assert np.all(range_at(anchors, y)[:3] != range_at(recording.anchors, y)[:3])
+    plain = offline(source, recording, 'random_q', {'peers': [1]})
+    assert not np.array_equal(run.estimates['local_1'][20].mean, plain.estimates['local_1'][20].mean)
+
+
+def test_a_time_slice_leaves_the_rest_unseen(bag):
+    early, whole = open_survey(bag, 30.0), open_survey(bag)
+    assert early.survey.counts.sum() < 0.3 * whole.survey.counts.sum()
+    assert not early.ranges
+    with pytest.raises(TrackingError, match='no signal strength or range within 0 s'):
+        open_survey(bag, 0.0)
+
+
+@pytest.mark.parametrize(
+    ('arguments', 'said'),
+    [
+        (['--map'], 'ranges, a map is of signal strengths'),
+        (['--until', '-1'], 'is no time'),
+        (['-o', '/proc/none/channel.yaml'], 'cannot be written'),
+    ],
+)
+def test_what_calibrate_cannot_do_is_told_in_one_line(tmp_path, capsys, arguments, said):
+    recording = record(scenario('a_loop'), 3)
+    ranged = tuple(
+        Range(m.stamp_ns, m.node_id, m.target_id, m.seq, m.request_seq, 1, 1.0) if isinstance(m, Rssi) else m
+        for m in recording.messages
+        if not hasattr(m, 'topic')
+    )
+    save(tmp_path / 'ranged', recording._replace(messages=ranged, entry_level='range', metadata={}))
+    with pytest.raises(SystemExit) as end:
+        main(['calibrate', str(tmp_path / 'ranged'), '-o', str(tmp_path / 'x.yaml'), *arguments])
+    assert end.value.code in (1, 2)
+    assert said in capsys.readouterr().err
+
+
+def test_a_bad_channel_is_refused_before_anything_starts(bag, tmp_path, capsys):
+    for command in ('evaluate', 'replay'):
+        with pytest.raises(SystemExit, match='1'):
+            main([command, str(bag), '--channel', str(tmp_path / 'absent.yaml')])
+        assert 'absent.yaml cannot be read' in capsys.readouterr().err
+
+
+def test_the_channel_goes_to_the_graph_by_its_whole_path(bag, tmp_path, monkeypatch):
+    saved(tmp_path, a_channel(map_too=False)._replace(ids=np.array([1, 2, 3])))
+    monkeypatch.chdir(tmp_path)
+    given = settings(Namespace(set=[], channel='channel.yaml'))
+    assert given == {'channel': os.path.realpath('channel.yaml')}
+    processes = graphs.replay(str(bag), settings=given, configuration='random_q')
+    users = {p.name for p in processes if p.parameters.get('channel') == given['channel']}
+    assert users >= {'sensing', 'estimator_1', 'estimator_2', 'estimator_3'}
