@@ -16,6 +16,8 @@ from wsn_tracking.trackers.hybrid_config import HybridConfig
 PERIOD_NS = 50_000_000
 S = 1_000_000_000
 ANCHORS = scenario('d_stop').anchors
+LINE = np.column_stack([1.0 + 0.01 * np.arange(160), np.full(160, 1.3)])
+RESTING = np.tile([1.3, 2.6], (120, 1))
 
 
 def recorded(name, seed=1, target=1, **settings):
@@ -43,6 +45,18 @@ def walk_of(places, seed=1, noise=0.02, each=1, anchors=ANCHORS, z=None):
         d = np.linalg.norm(np.array([*x, z or 0.0]) - anchors.positions[rows], axis=-1)
         epochs.append(epoch_of(k, zip(rows, d + noise * rng.standard_normal(each), strict=True)))
     return epochs
+
+
+def moved(epoch, stamp_ns):
+    """The epoch and its ranges at another instant."""
+    return epoch._replace(
+        stamp_ns=stamp_ns, measurements=tuple(p._replace(stamp_ns=stamp_ns) for p in epoch.measurements)
+    )
+
+
+def misread(epoch, reading):
+    """The epoch, each of its ranges z read as reading(z)."""
+    return epoch._replace(measurements=tuple(p._replace(range=reading(p.range)) for p in epoch.measurements))
 
 
 def tracked(epochs, config=None, anchors=ANCHORS, target=1):
