@@ -1,7 +1,8 @@
 """How long a node takes until it is ready, against one that does nothing.
 
 `python -m wsn_tracking.nodes.benchmark_start WORDS...` starts a node by these words and prints, once it has published
-`ready`, the seconds that passed and the CPU seconds that it took. With the word `bare` alone it is that other node.
+`ready`, the seconds that passed and the CPU seconds that it took. `bare` is that other
+node, which knows the same messages.
 """
 
 from __future__ import annotations
@@ -58,7 +59,4 @@ def measure(words: list[str]) -> None:
 
 
 if __name__ == '__main__':
-    if sys.argv[1:] == ['bare']:
-        bare()
-    else:
-        measure(sys.argv[1:])
+    measure(sys.argv[1:])
