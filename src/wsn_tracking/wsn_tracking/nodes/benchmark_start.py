@@ -1,8 +1,8 @@
 """How long a node takes until it is ready, against one that does nothing.
 
 `python -m wsn_tracking.nodes.benchmark_start WORDS...` starts a node by these words and prints, once it has published
-`ready`, the seconds that passed and the CPU seconds that it took. `bare` is that other
-node, which knows the same messages.
+`ready`, the seconds that passed and the CPU seconds that it took. `bare` is that other node, which knows the same
+messages.
 """
 
 from __future__ import annotations
