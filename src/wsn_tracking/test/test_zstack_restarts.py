@@ -1,0 +1,63 @@
+"""A sink that restarts, falls silent or forgets is found out, and nothing that it said is lost."""
+
+import dataclasses
+
+from fake_sink import IEEE, script
+from session_cases import FAST, IMPATIENT, data
+
+from wsn_tracking.zstack import commands as c
+from wsn_tracking.zstack.reports import Report
+
+
+def test_reset_in_mid_run_registers_again_and_loses_nothing(sink, host):
+    up = host()
+    up.wait_up()
+    sink.say(data(0), data(1))
+    sink.say(c.SysResetInd(2, 2, 0, 2, 6, 3))
+    sink.wait_asked(c.AfRegister, 2)
+    sink.say(data(2), data(3))
+    up.wait_seqs(range(4))
+    up.wait_up(2)
+    items = [r.item for r in up.received]
+    (reset,) = [i for i, item in enumerate(items) if isinstance(item, c.SysResetInd)]
+    assert [item.payload.seq for item in items[:reset] if isinstance(item, Report)] == [0, 1]
+    assert (up.counted('resets'), up.counted('attached'), up.counted('lost')) == (1, 2, 0)
+
+
+def test_silent_sink_is_pinged_and_kept(sink, host):
+    up = host(timeout=dataclasses.replace(FAST, idle=0.05))
+    up.wait_up()
+    sink.wait_asked(c.SysPing, 5)
+    assert up.counted('lost') == 0
+
+
+def test_restart_of_which_the_line_told_nothing_is_found_out(sink, host):
+    """The sink's word was lost: it answers pings, its network is down, and it has forgotten our endpoint."""
+    up = host(timeout=dataclasses.replace(FAST, idle=0.05))
+    up.wait_up()
+    sink.answers[c.UtilGetDeviceInfo] = [c.UtilGetDeviceInfoRsp(0, IEEE, 0xFFFE, 7, 0)]
+    sink.answers[c.AfRegister] = lambda asked: [sink.answers.update(script()) or c.AfRegisterRsp(0)]
+    sink.wait_asked(c.ZdoStartup)
+    up.wait_up(2)
+    assert (up.counted('resets'), up.counted('found_down'), up.counted('lost')) == (0, 1, 0)
+
+
+def test_mute_sink_is_lost_after_three_pings_and_opened_for_ever(sink, host):
+    up = host(timeout=IMPATIENT)
+    up.wait_up()
+    sink.mute = True
+    up.until(lambda: up.events('lost') >= 4)
+    assert up.counted('lost') == 1
+    assert up.counted('pings_missed') >= 3
+    sink.mute = False
+    up.wait_up(2)
+    sink.say(data(7))
+    up.wait_seqs([7])
+
+
+def test_missed_pings_are_forgotten_when_the_sink_speaks(sink, host):
+    up = host(timeout=dataclasses.replace(FAST, idle=0.05))
+    up.wait_up()
+    sink.answers[c.SysPing] = lambda asked: [c.SysPingRsp(1)] if len(sink.questions(c.SysPing)) % 3 == 0 else []
+    sink.wait_asked(c.SysPing, 10)
+    assert up.counted('lost') == 0
