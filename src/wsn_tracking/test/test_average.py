@@ -91,6 +91,7 @@ def test_no_samples_count_as_one():
         (rssi(0, -50.0, math.inf), False),
         (ranged(0, 1e-3), True),
         (ranged(0, 0.0), False),
+        (ranged(0, 1e-300), False),
         (ranged(0, -1.0), False),
         (ranged(0, 1e5), False),
         (ranged(0, 1.0, NAN), True),

@@ -195,6 +195,15 @@ def test_definiteness_is_told_matrix_by_matrix():
     assert is_definite(Information(np.zeros((2, 4)), Y[::2])).tolist() == [True, True]
 
 
+def test_a_matrix_that_counts_as_definite_has_a_belief():
+    """Of rank 3, definite by rounding alone: some have a root in one order of the states and not in the other."""
+    A = np.random.default_rng(0).standard_normal((400, 4, 3))
+    information = Information(np.zeros((400, 4)), A @ np.swapaxes(A, -1, -2))
+    definite = is_definite(information)
+    assert 0 < definite.sum() < 400
+    assert np.isfinite(to_belief(Information(*(part[definite] for part in information))).chol_P).all()
+
+
 @pytest.mark.parametrize('batch', [(), (5,), (9, 10)])
 def test_forward_substitution_solves(batch):
     rng = np.random.default_rng(1)

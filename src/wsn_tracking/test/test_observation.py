@@ -46,8 +46,17 @@ def test_what_did_not_arrive_is_nan(packet):
 
 
 @pytest.mark.parametrize(
-    'told', [(float('nan'),) * 4, (1.0, 2.0, 2.0, 1.0), (-1.0, 0.0, 0.0, 1.0), (1.0, 0.1, 0.2, 1.0)]
+    'told',
+    [
+        (float('nan'),) * 4,
+        (1.0, 2.0, 2.0, 1.0),
+        (-1.0, 0.0, 0.0, 1.0),
+        (1.0, 0.1, 0.2, 1.0),
+        (1e300, 0.0, 0.0, 1e300),
+        (1e-300, 0.0, 0.0, 1.0),
+    ],
 )
+@pytest.mark.filterwarnings('error')
 def test_noise_that_is_no_covariance_is_the_default(told):
     noise = read(RangeBearing(0, 7, 1, 0, 0, 5.0, 0.3, told)).R
     assert noise == pytest.approx(DEFAULT * [[0.25, 0.5], [0.5, 1.0]])

@@ -117,19 +117,29 @@ def to_belief(information: Information) -> Belief:
     U is upper triangular, from the Cholesky factor of the matrix with the order of its states reversed.
     """
     y, Y = information
-    U = np.linalg.cholesky(Y[..., ::-1, ::-1])[..., ::-1, ::-1]
-    chol_P = inverse(transpose(U))
+    chol_P = inverse(transpose(_upper(Y)))
     return Belief(matvec(chol_P, matvec(transpose(chol_P), y)), chol_P)
 
 
 def is_definite(information: Information) -> Mask:
-    """Where Y is positive definite, (...)."""
+    """Where Y is so definite that `to_belief` has its belief, (...); at the edge of rounding no eigenvalue tells."""
+    Y = information.matrix
+    if _has_root(Y):
+        return np.ones(Y.shape[:-2], dtype=np.bool_)
+    return np.array([_has_root(each) for each in Y.reshape(-1, *Y.shape[-2:])]).reshape(Y.shape[:-2])
+
+
+def _has_root(Y: Floats) -> bool:
     try:
-        np.linalg.cholesky(information.matrix)
+        _upper(Y)
     except np.linalg.LinAlgError:
-        lowest = np.linalg.eigvalsh(information.matrix)[..., 0]
-        return np.asarray(lowest > 0.0)
-    return np.ones(information.vector.shape[:-1], dtype=np.bool_)
+        return False
+    return True
+
+
+def _upper(Y: Floats) -> Floats:
+    """U with Y = U U', upper triangular."""
+    return np.linalg.cholesky(Y[..., ::-1, ::-1])[..., ::-1, ::-1]
 
 
 def is_semidefinite(information: Information) -> Mask:

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Sequence
 from wsn_tracking.sensing.values import NAN, Epoch, Measurement, Modality, Range, RangeBearing, Rssi
 
 USABLE_DBM = (-127.0, 20.0)  # what a receiver can say; +127 and -128 are how radios spell `no value`
-USABLE_M = 1e5  # no radio of a sensor network reaches so far
+USABLE_M = (1e-6, 1e5)  # no reading is so short, and no radio of a sensor network reaches so far
 USABLE_STD = (1e-6, 1e6)  # [dB, m] no reading is so sure, and one with a larger deviation says nothing
 
 
@@ -22,7 +22,7 @@ def usable(packet: Measurement) -> bool:
         in_range = USABLE_DBM[0] <= packet.rssi_dbm <= USABLE_DBM[1]
         return in_range and (math.isnan(packet.sigma_db) or USABLE_STD[0] <= packet.sigma_db < USABLE_STD[1])
     if isinstance(packet, Range):
-        in_range = 0.0 < packet.range < USABLE_M
+        in_range = USABLE_M[0] <= packet.range < USABLE_M[1]
         return in_range and (math.isnan(packet.variance) or USABLE_STD[0] ** 2 <= packet.variance < USABLE_STD[1] ** 2)
     return True
 

@@ -76,14 +76,14 @@ def local_step(
 def posterior(scheme: Scheme, local: Local, value: Floats, plain: Floats, before: Floats, after: Floats) -> Belief:
     """Step 5: the belief after the rounds, from rows (..., 14) and live nodes before and after (...).
 
-    An accelerated average may have lost its definiteness. Then its last round is done plainly, and where that does not
-    help a node keeps to what it knows alone.
+    An accelerated average may have lost its definiteness, and any where readings are exact beyond all digits. Then the
+    last round is done plainly, and where that does not help a node keeps to what it knows alone, at worst to its prior.
     """
     row = scheme.finish(local.prior, value, before, after)
     try:
         return to_belief(unpacked(row))
     except np.linalg.LinAlgError:
-        for other in (scheme.finish(local.prior, plain, before, after), local.prior + local.own):
+        for other in (scheme.finish(local.prior, plain, before, after), local.prior + local.own, local.prior):
             row = np.where(is_definite(unpacked(row))[..., None], row, other)
         return to_belief(unpacked(row))
 

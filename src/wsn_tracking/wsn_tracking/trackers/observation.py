@@ -9,7 +9,7 @@ import numpy as np
 
 from wsn_tracking.models.anchors import Anchors, Floats
 from wsn_tracking.models.radio import range_at, relative_range_std
-from wsn_tracking.sensing.average import USABLE_M, usable
+from wsn_tracking.sensing.average import USABLE_M, USABLE_STD, usable
 from wsn_tracking.sensing.values import NAN, Epoch, Measurement, Range, RangeBearing, Rssi
 
 
@@ -44,7 +44,7 @@ def _told(packet: Measurement | None, default_R: Floats) -> Observation:
         return Observation(np.array([packet.range, NAN]), R)
     if isinstance(packet, RangeBearing) and packet.arrived:
         z = np.array([packet.range, packet.bearing])
-        z[~(np.abs(z) < USABLE_M)] = NAN
+        z[~(np.abs(z) < USABLE_M[1])] = NAN
         R = np.array(packet.covariance).reshape(2, 2)
         return Observation(z, R if _is_covariance(R) else default_R)
     return Observation(np.full(2, NAN), default_R)
@@ -55,6 +55,7 @@ def _with_range_variance(R: Floats, variance: float) -> Floats:
 
 
 def _is_covariance(R: Floats) -> bool:
-    """Whether R (2, 2) is symmetric and positive definite."""
-    definite = R[0, 0] > 0.0 and R[1, 1] > 0.0 and R[0, 1] ** 2 < R[0, 0] * R[1, 1] < np.inf
-    return bool(definite and R[0, 1] == R[1, 0])
+    """Whether R (2, 2) is symmetric, positive definite and of deviations that a reading can have."""
+    low, high = USABLE_STD
+    in_range = np.all((np.diag(R) >= low**2) & (np.diag(R) < high**2))
+    return bool(in_range and R[0, 1] == R[1, 0] and R[0, 1] ** 2 < R[0, 0] * R[1, 1])
