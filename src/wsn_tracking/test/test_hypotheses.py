@@ -134,3 +134,12 @@ def test_time_moves_every_place():
     moved = hy.predict(places, F, np.eye(4))
     np.testing.assert_allclose(moved.P[3], F @ places.P[3] @ F.T + np.eye(4))
     np.testing.assert_array_equal(moved.w, places.w)
+
+
+def test_a_place_that_rounding_left_a_line_is_merged_along_it_alone():
+    line = np.zeros((3, 4, 4))
+    line[:, :2, :2], line[:, 2:, 2:] = [[4.0, 2.0], [2.0, 1.0]], np.eye(2)
+    m = np.array([[0.0, 0.0, 0.0, 0.0], [1.0, 0.5, 0.0, 0.0], [1.0, -0.5, 0.0, 0.0]])
+    left = hy.reduced(hy.Hypotheses(m, line, np.ones(3) / 3), 5)
+    assert left.m[:, :2] == pytest.approx(np.array([[0.5, 0.25], [1.0, -0.5]]))
+    assert left.w == pytest.approx([2 / 3, 1 / 3])

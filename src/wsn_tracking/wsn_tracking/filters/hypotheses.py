@@ -22,6 +22,7 @@ ROUNDS = 6  # of splitting
 FAINT = 1e-4  # hypotheses below this share of the best are dropped
 NEAR = 1.0  # those closer than this, in their own deviations, are one
 SPACING = 0.6  # [deviations of the ring along itself] between its hypotheses
+FLAT = 1e-12  # a place is at least this much as wide, in variance, as it is long: rounding may have left it a line
 
 
 class Hypotheses(NamedTuple):
@@ -120,8 +121,8 @@ def reduced(places: Hypotheses, most: int) -> Hypotheses:
     for i in range(len(w)):
         if not left[i] or len(out) == most:
             continue
-        e = m[:, :2] - m[i, :2]
-        near = left & (np.sum(e * np.linalg.solve(P[i, :2, :2], e.T).T, axis=-1) < NEAR**2)
+        e, P_i = m[:, :2] - m[i, :2], P[i, :2, :2]
+        near = left & (np.sum(e * np.linalg.solve(P_i + FLAT * np.trace(P_i) * np.eye(2), e.T).T, axis=-1) < NEAR**2)
         near[i] = True
         left &= ~near
         merged = moments(Hypotheses(m[near], P[near], w[near] / w[near].sum()))
