@@ -21,7 +21,7 @@ class Shape(NamedTuple):
     """What LEN can be, as far as it shows before the frame is complete.
 
     low <= LEN <= high. Where `at` >= 0 and LEN > at, data[at] counts items of `unit` bytes, and LEN is the end of the
-    items plus one of `tails`.
+    items plus one of `tails`; `may_differ`: so it is in what this project's nodes say, others may say something else.
     """
 
     low: int
@@ -29,6 +29,11 @@ class Shape(NamedTuple):
     at: int = -1
     unit: int = 0
     tails: tuple[int, ...] = ()
+    may_differ: bool = False
+
+    def lengths(self, count: int) -> list[int]:
+        """What LEN can be with so many items, ascending."""
+        return [self.at + 1 + self.unit * count + tail for tail in self.tails]
 
 
 class Layout:

@@ -25,7 +25,7 @@ from wsn_tracking.zstack.commands.sys import (
     SysVersion,
     SysVersionRsp,
 )
-from wsn_tracking.zstack.commands.table import BY_HEADER, Command, decode, encode, name_of, shape_of
+from wsn_tracking.zstack.commands.table import BY_HEADER, Command, decode, encode, is_known, name_of, shape_of
 from wsn_tracking.zstack.commands.util import (
     BdbCommissioningNotification,
     BdbSetChannel,
@@ -103,6 +103,7 @@ __all__ = [
     'ZdoTcDevInd',
     'decode',
     'encode',
+    'is_known',
     'name_of',
     'shape_of',
 ]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from wsn_tracking.zstack.commands.table import command
+from wsn_tracking.zstack.layout import Shape
 
 ALREADY_REGISTERED = (0x02, 0xB8)  # statuses of AF_REGISTER that mean: has been done before
 
@@ -78,7 +79,11 @@ class AfDataConfirm(NamedTuple):
     trans_id: int
 
 
-@command(0x6980, 'MT_APP_RSP', 'B$')
+# an endpoint, then whatever its application says: of ours, a header that counts records of 8 bytes, and a CRC
+PAYLOAD = Shape(1, 250, at=11, unit=8, tails=(3,), may_differ=True)
+
+
+@command(0x6980, 'MT_APP_RSP', 'B$', shape=PAYLOAD)
 class MtAppRsp(NamedTuple):
     """A report as a SampleApp coordinator passes it on (MTProcessAppRspMsg)."""
 

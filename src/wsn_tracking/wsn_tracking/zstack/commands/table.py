@@ -34,13 +34,15 @@ SHAPES: dict[int, Shape] = {}
 ANY = Shape(0, 250)
 
 
-def command(header: int, name: str, layout: str = '', record: Callable[..., Any] | None = None) -> Callable[[C], C]:
-    """Register a NamedTuple as the command of that header, under TI's name."""
+def command(
+    header: int, name: str, layout: str = '', record: Callable[..., Any] | None = None, shape: Shape | None = None
+) -> Callable[[C], C]:
+    """Register a NamedTuple as the command of that header, under TI's name; `shape`: where the layout does not tell."""
 
     def register(make: C) -> C:
         compiled = Layout(layout, record) if record else Layout(layout)
         BY_HEADER[header] = BY_CLASS[make] = Entry(name, header, make, compiled)
-        SHAPES[header] = compiled.shape
+        SHAPES[header] = shape or compiled.shape
         return make
 
     return register
@@ -69,6 +71,11 @@ def name_of(header: int) -> str:
     """TI's name of a header, or its digits."""
     entry = BY_HEADER.get(header)
     return entry.name if entry else f'{header:04X}'
+
+
+def is_known(header: int) -> bool:
+    """Whether there is a command of that header here."""
+    return header in BY_HEADER
 
 
 def shape_of(header: int) -> Shape | None:
