@@ -146,6 +146,14 @@ def test_a_chain_that_never_changes_stays():
     np.testing.assert_array_equal(imm.transition((1.0, 1.0), 5.0), np.eye(2))
 
 
+@pytest.mark.parametrize('stay', [(1.0, 0.9), (1.0, 0.0), (0.0, 1.0)])
+def test_a_model_that_nothing_leads_to_begins_where_the_others_are(stay):
+    prior = Gaussian(np.array([5.0, 6.0, 1.0, 0.0]), np.eye(4))
+    mixed = imm.mix(imm.of(prior, np.array([1.0 - 1e-12, 1e-12])), imm.transition(stay, 1.0))
+    np.testing.assert_allclose(mixed.m, np.tile(prior.m, (2, 1)), rtol=1e-12)
+    np.testing.assert_allclose(mixed.P, np.tile(prior.P, (2, 1, 1)), rtol=1e-12, atol=1e-12)
+
+
 def test_equal_models_are_one_filter():
     prior, a = belief(5), place(5)
     models = imm.mix(imm.of(prior, np.array([0.3, 0.7])), imm.transition((0.95, 0.9), 1.0))

@@ -68,6 +68,14 @@ def test_two_steps_of_a_velocity_that_is_forgotten_are_one_long_step(S, T1, T2):
     np.testing.assert_allclose(covariance_of(L), both, rtol=1e-5, atol=1e-12)
 
 
+@pytest.mark.filterwarnings('error')
+def test_nothing_happens_in_no_time():
+    for tau in (0.0, 3.0):
+        F, root = forgetful_velocity(0.3, 0.0, tau)
+        np.testing.assert_array_equal(F, np.eye(4))
+        np.testing.assert_array_equal(root, np.zeros((4, 4)))
+
+
 @pytest.mark.parametrize('T', [1e-9, 1e-4, 0.5, 3.0])
 def test_a_velocity_that_is_hardly_forgotten_is_constant(T):
     F, root = forgetful_velocity(0.3, T, 1e5)
@@ -121,6 +129,12 @@ def test_no_range_and_no_distance_is_below_the_radios_resolution():
     np.testing.assert_array_equal(rssi_at(anchors, np.zeros(3)), rssi_at(anchors, np.full(3, MIN_RANGE)))
     on_top = np.array([[0.0, 0.0, 0.0, 0.0]])
     assert measurement.distances(anchors, on_top, height=1.0)[0, 2] == MIN_RANGE
+
+
+@pytest.mark.filterwarnings('error')
+def test_no_range_is_beyond_what_can_be_squared():
+    waveguide = make_anchors([1], [[0.0, 0.0]], n=0.01)
+    assert np.square(np.square(range_at(waveguide, [-127.0]))) < np.inf
 
 
 @properties
@@ -225,7 +239,9 @@ def test_select_keeps_some_nodes_and_refuses_unknown_ones():
         ({'ids': np.array([1, 2, 65536])}, r'leave 0\.\.65535'),
         ({'positions': np.zeros((3, 2))}, r'shape \(3, 2\), expected \(N, 3\)'),
         ({'bias': np.array([0.0, np.nan, 0.0])}, '`bias` holds NaN or infinity'),
-        ({'n': np.array([3.0, 0.0, 3.0])}, '`n` holds 0.0: it must be positive'),
+        ({'n': np.array([3.0, 0.0, 3.0])}, r'`n` holds 0\.0: expected 0\.01 to 20'),
+        ({'p1_dbm': np.array([-40.0, 1e300, -40.0])}, '`p1_dbm` holds 1e\\+300: expected -200 to 100'),
+        ({'positions': np.full((3, 3), -2e8)}, r'positions go up to 2e\+08 m: expected 1e\+08 m at most'),
         ({'sigma_db': np.array([-1.0, 1.0, 1.0])}, '`sigma_db` holds -1.0'),
         ({'d0': np.array([1.0, 1.0, np.inf])}, '`d0` holds NaN or infinity'),
         ({'scale': np.array([1.0, 0.0, 1.0])}, '`scale` holds 0.0'),

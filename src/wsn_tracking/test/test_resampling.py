@@ -99,3 +99,17 @@ def test_many_rows_do_not_run_into_each_other(kind):
     indices = RESAMPLERS[kind](w, 4, np.random.default_rng(5))
     assert np.all(indices[::2] == 0)
     assert np.all(indices[1::2] == 2)
+
+
+class LastDraw:
+    """A generator that draws nothing but the last number before one."""
+
+    def random(self, shape):
+        return np.full(shape, 1.0 - 2.0**-53)
+
+
+@pytest.mark.parametrize('kind', ['systematic', 'stratified'])
+@pytest.mark.parametrize('shape', [(500,), (3, 500)])
+def test_a_draw_that_is_rounded_to_one_is_of_the_last_particle(kind, shape):
+    drawn = RESAMPLERS[kind](np.full(shape, 1.0 / 500), 500, LastDraw())
+    assert np.all(drawn[..., -1] == 499)

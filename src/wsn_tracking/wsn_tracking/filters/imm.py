@@ -14,6 +14,7 @@ from wsn_tracking.filters.ekf import Gaussian, Innovation
 from wsn_tracking.models.anchors import Floats
 
 LEAST = 1e-12  # no model is ruled out for good
+TINY = 1e-300  # nor is a way from one to another, so that every model begins with a mixture that sums to one
 
 
 class Models(NamedTuple):
@@ -61,11 +62,11 @@ def transition(stay: tuple[float, float], steps: float) -> Floats:
 
 def mix(models: Models, Pi: Floats) -> Models:
     """What each model begins the step with, Pi (J, J)."""
-    joint = models.mu[..., :, None] * Pi
-    mu = np.maximum(joint.sum(axis=-2), LEAST)
+    joint = np.maximum(models.mu[..., :, None] * Pi, TINY)
+    mu = joint.sum(axis=-2)
     w = np.swapaxes(joint / mu[..., None, :], -1, -2)  # (..., to, from)
     mixed = _mixture(models.m[..., None, :, :], models.P[..., None, :, :, :], w)
-    return Models(mixed.m, mixed.P, mu)
+    return Models(mixed.m, mixed.P, np.maximum(mu, LEAST))
 
 
 def innovation(models: Models, z: Floats, place: Floats, std: Floats, share: Floats) -> Innovation:

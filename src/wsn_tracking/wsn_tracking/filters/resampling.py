@@ -15,7 +15,8 @@ from wsn_tracking.models.anchors import Floats
 
 Indices = NDArray[np.int64]
 Resampler = Callable[[Floats, int, np.random.Generator], Indices]
-BELOW_ONE = 1.0 - 2.0**-30  # a place in a cumulative sum that is still below one with a row's number added
+BELOW_ONE = 1.0 - 2.0**-53  # the last place in a cumulative sum: (n - 1 + u) / n may be rounded to one
+BELOW_ROW = 1.0 - 2.0**-30  # one that is still below one with a row's number added
 
 
 def systematic(w: Floats, n: int, generator: np.random.Generator) -> Indices:
@@ -68,7 +69,7 @@ def _located(w: Floats, places: Floats) -> Indices:
     """The particle in whose share of the cumulative weights each of the ascending places (..., n) in [0, 1) lies."""
     sums = np.cumsum(w, axis=-1)
     sums /= sums[..., -1:]  # the last is exactly one: no place is beyond it
-    return _rank(sums, places if w.ndim == 1 else np.minimum(places, BELOW_ONE))
+    return _rank(sums, np.minimum(places, BELOW_ONE if w.ndim == 1 else BELOW_ROW))
 
 
 def _rank(sums: Floats, places: Floats) -> Indices:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -11,6 +12,16 @@ from wsn_tracking.errors import TrackingError
 
 Floats = NDArray[np.floating[Any]]
 Mask = NDArray[np.bool_]
+
+FURTHEST = 1e8  # [m] of a coordinate: the grid of a country has its origin thousands of kilometres away
+LIMITS: Mapping[str, tuple[float, float]] = {  # of what a radio can be
+    'p1_dbm': (-200.0, 100.0),
+    'd0': (1e-3, 1e5),
+    'n': (0.01, 20.0),
+    'sigma_db': (1e-6, 100.0),
+    'bias': (-1e4, 1e4),
+    'scale': (0.01, 100.0),
+}
 
 
 class Anchors(NamedTuple):
@@ -93,7 +104,11 @@ def check(table: Anchors) -> None:
     for name, column in table._asdict().items():
         if not np.all(np.isfinite(column)):
             raise TrackingError(f'anchor column `{name}` holds NaN or infinity: finite numbers are expected')
-    for name in ('d0', 'n', 'sigma_db', 'scale'):
+    if np.any(np.abs(table.positions) > FURTHEST):
+        reach = np.abs(table.positions).max()
+        raise TrackingError(f'anchor positions go up to {reach:g} m: expected {FURTHEST:g} m at most')
+    for name, (low, high) in LIMITS.items():
         column = getattr(table, name)
-        if np.any(column <= 0.0):
-            raise TrackingError(f'anchor column `{name}` holds {column.min()}: it must be positive')
+        wrong = column[(column < low) | (column > high)]
+        if wrong.size:
+            raise TrackingError(f'anchor column `{name}` holds {wrong[0]}: expected {low:g} to {high:g}')

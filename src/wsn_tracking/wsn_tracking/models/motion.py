@@ -98,9 +98,10 @@ def forgetful_velocity(spectral_density: ArrayLike, dt: float, time: float = 0.0
 
     dv = -v / time dt + dw, w of spectral density S (...) [m^2/s^3]: an Ornstein-Uhlenbeck velocity of variance
     S time / 2, whose position does not run away over long gaps. time = 0: it never fades, which is white acceleration.
+    dt >= 0 [s].
     """
     S = np.asarray(spectral_density, dtype=np.float64)
-    if not time:
+    if not time or not dt:
         return constant_velocity(dt), white_acceleration(S, dt)
     u = dt / time
     a, b = np.exp(-u), -np.expm1(-u)  # what is left of a velocity, and of its way in units of time

@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike
 from wsn_tracking.models.anchors import Anchors, Floats
 
 MIN_RANGE = 0.01  # [m] no radio resolves less; keeps the logarithm finite
+MAX_DECADES = 8.0  # beyond d0, of a range: what is read as further away says only that, and squares of it are numbers
 LN10_10 = np.log(10.0) / 10.0
 
 
@@ -20,7 +21,7 @@ def rssi_at(anchors: Anchors, distances: ArrayLike) -> Floats:
 def range_at(anchors: Anchors, rssi_dbm: ArrayLike) -> Floats:
     """Range (..., N) [m] at which the mean signal strength is rssi_dbm (..., N): eq. 5 solved for z."""
     exponent = (anchors.p1_dbm - np.asarray(rssi_dbm, dtype=np.float64)) / (10.0 * anchors.n)
-    return np.maximum(anchors.d0 * 10.0**exponent, MIN_RANGE)
+    return np.maximum(anchors.d0 * 10.0 ** np.minimum(exponent, MAX_DECADES), MIN_RANGE)
 
 
 def relative_range_std(anchors: Anchors) -> Floats:

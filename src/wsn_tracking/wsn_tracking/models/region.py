@@ -15,10 +15,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from wsn_tracking.errors import TrackingError
-from wsn_tracking.models.anchors import Floats, Mask
+from wsn_tracking.models.anchors import FURTHEST, Floats, Mask
 
 INWARD = 1e-6  # [m] what is brought back lies this far inside, so that it counts as inside
-FURTHEST = 1e6  # [m] beyond, no sensor network reaches and areas lose their digits
+SAME = 1e-9  # [m] corners that are no further apart are one
 MAX_PAIRS = 2**20  # of points and edges that are looked at in one go
 
 
@@ -61,7 +61,7 @@ class Region(NamedTuple):
 
 
 def region(rings: Sequence[ArrayLike]) -> Region:
-    """The region of rings (V, 2) [m], V >= 3; a ring that ends where it began is closed already.
+    """The region of rings (V, 2) [m], V >= 3; corners that are told twice, as by a ring that closes, are one.
 
     Raises TrackingError for a ring of fewer corners, of no area, or whose coordinates are no numbers.
     """
@@ -72,10 +72,10 @@ def region(rings: Sequence[ArrayLike]) -> Region:
             raise TrackingError(
                 f'ring {number} of a region: expected corners x, y [m] that are finite numbers of at most {FURTHEST:g}'
             )
-        if corners.shape[0] > 1 and np.array_equal(corners[0], corners[-1]):
-            corners = corners[:-1]
+        corners = corners[np.any(np.abs(corners - np.roll(corners, -1, axis=0)) > SAME, axis=1)]
         following = np.roll(corners, -1, axis=0)
-        twice = float(np.sum(corners[:, 0] * following[:, 1] - following[:, 0] * corners[:, 1]))
+        (x, y), (x_next, y_next) = (corners - corners[:1]).T, (following - corners[:1]).T
+        twice = float(np.sum(x * y_next - x_next * y))
         if corners.shape[0] < 3 or abs(twice) < 1e-12:
             raise TrackingError(f'ring {number} of a region has {corners.shape[0]} corners and no area: expected three')
         starts.append(corners)
