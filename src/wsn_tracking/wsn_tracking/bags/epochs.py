@@ -7,7 +7,7 @@ from collections import Counter, defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 
 from wsn_tracking.errors import TrackingError
-from wsn_tracking.sensing.recording import Message, Recording
+from wsn_tracking.sensing.recording import Message, Recording, epoch_key
 from wsn_tracking.sensing.values import (
     EpochEnd,
     Measurement,
@@ -63,21 +63,17 @@ def _counted(dropped: Mapping[str, int], more: Mapping[str, int]) -> dict[str, i
     return {reason: count for reason, count in total.items() if count}
 
 
-def _key(message: Message) -> Key:
-    return message.target_id, message.seq if isinstance(message, Request) else message.request_seq
-
-
 def _completed(recording: Recording) -> Recording:
     """A bag with EpochEnds: only ends of its level, lists that hold, and one final a target."""
     level, messages = recording.entry_level, recording.messages
-    held = {(*_key(m), m.node_id, m.seq) for m in messages if isinstance(m, MEASUREMENTS)}
+    held = {(*epoch_key(m), m.node_id, m.seq) for m in messages if isinstance(m, MEASUREMENTS)}
     last = {m.target_id: i for i, m in enumerate(messages) if isinstance(m, EpochEnd) and _level(m) == level}
-    ended = {_key(m) for m in messages if isinstance(m, EpochEnd) and _level(m) == level}
+    ended = {epoch_key(m) for m in messages if isinstance(m, EpochEnd) and _level(m) == level}
     out: list[Message] = []
     dropped = {'listed_missing': 0, 'unfinished_epoch': 0, 'not_entry_level': 0}
     for place, message in enumerate(messages):
         if not isinstance(message, EpochEnd):
-            if _key(message) not in ended and place > last.get(message.target_id, -1):
+            if epoch_key(message) not in ended and place > last.get(message.target_id, -1):
                 dropped['unfinished_epoch'] += 1
             else:
                 out.append(message)
@@ -85,7 +81,7 @@ def _completed(recording: Recording) -> Recording:
             dropped['not_entry_level'] += 1
         else:
             listed = list(zip(message.node_ids, message.seqs, strict=False))
-            kept = [entry for entry in listed if (*_key(message), *entry) in held]
+            kept = [entry for entry in listed if (*epoch_key(message), *entry) in held]
             dropped['listed_missing'] += max(len(message.node_ids), len(message.seqs)) - len(kept)
             out.append(_end(message, kept, level, place == last[message.target_id]))
     whole, dropped['request_rebuilt'] = _with_requests(out)
@@ -94,12 +90,12 @@ def _completed(recording: Recording) -> Recording:
 
 def _with_requests(messages: Sequence[Message]) -> tuple[tuple[Message, ...], int]:
     """The messages with a Request, of its EpochEnd's stamp, ahead of each epoch that lacks one; and how many do."""
-    asked = {_key(m) for m in messages if isinstance(m, Request)}
-    stamps = {_key(m): m.stamp_ns for m in messages if isinstance(m, EpochEnd)}
+    asked = {epoch_key(m) for m in messages if isinstance(m, Request)}
+    stamps = {epoch_key(m): m.stamp_ns for m in messages if isinstance(m, EpochEnd)}
     out: list[Message] = []
     rebuilt = 0
     for message in messages:
-        key = _key(message)
+        key = epoch_key(message)
         if key not in asked and key in stamps:
             asked.add(key)
             rebuilt += 1
@@ -121,11 +117,11 @@ def _by_request(messages: Sequence[Message], tolerance_ns: int) -> tuple[list[Me
             requests[message.target_id].append(message)
     for group in requests.values():
         group.sort(key=lambda request: request.stamp_ns)
-    known = {_key(request) for group in requests.values() for request in group}
+    known = {epoch_key(request) for group in requests.values() for request in group}
     placed: list[Message] = []
     lost = 0
     for message in messages:
-        if isinstance(message, (Request, EpochEnd)) or _key(message) in known:
+        if isinstance(message, (Request, EpochEnd)) or epoch_key(message) in known:
             placed.append(message)
             continue
         near = _nearest(requests[message.target_id], message.stamp_ns)
@@ -167,7 +163,7 @@ def _with_ends(messages: Sequence[Message], level: str) -> tuple[Message, ...]:
     closes: dict[Key, int] = {}
     listed: dict[Key, dict[tuple[int, int], None]] = defaultdict(dict)
     for place, message in enumerate(messages):
-        key = _key(message)
+        key = epoch_key(message)
         closes[key] = place
         if isinstance(message, Request):
             requests.setdefault(key, message)

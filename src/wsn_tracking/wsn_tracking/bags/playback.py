@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 from wsn_tracking.bags.messages import TruthPose
-from wsn_tracking.sensing.recording import Message, Recording, Truth
+from wsn_tracking.sensing.recording import Message, Recording, Truth, epoch_key
 from wsn_tracking.sensing.values import EpochEnd, Range, RangeBearing, Request, Rssi, TriggerReport
 
 TOPICS: dict[type, str] = {
@@ -51,7 +51,7 @@ def playback(recording: Recording) -> Playback:
     asked: set[int] = set()
     events: list[Event] = []
     for message in recording.messages:
-        key = (message.target_id, message.seq if isinstance(message, Request) else message.request_seq)
+        key = epoch_key(message)
         asks = isinstance(message, Request)
         if key not in open_epochs or (asks and open_epochs[key] in asked):  # a key that asks again: a new run
             open_epochs[key] = len(epochs)

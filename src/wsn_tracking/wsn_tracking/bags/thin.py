@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from wsn_tracking.bags.epochs import MEASUREMENTS, with_epoch_ends
 from wsn_tracking.models.anchors import Mask
 from wsn_tracking.models.links import Loss, gamma, hashed_uniform
-from wsn_tracking.sensing.recording import Message, Recording
+from wsn_tracking.sensing.recording import Message, Recording, epoch_key
 from wsn_tracking.sensing.values import EpochEnd, Reason, Request, TriggerReport
 
 DOMAIN = 4  # keeps these draws apart from others of the same seed (seed 004)
@@ -38,8 +38,8 @@ def thin(recording: Recording, loss: Loss, seed: int) -> Recording:
     """
     whole = with_epoch_ends(recording)
     asked: dict[int, dict[int, None]] = {}
-    for m in whole.messages:
-        asked.setdefault(m.target_id, {})[m.seq if isinstance(m, Request) else m.request_seq] = None
+    for target, seq in map(epoch_key, whole.messages):
+        asked.setdefault(target, {})[seq] = None
     heard = {m.node_id for m in whole.messages if isinstance(m, MEASUREMENTS)}
     nodes = np.array(sorted({*recording.anchors.ids.tolist(), *heard}), dtype=np.int64)
     gammas = {target: _gammas(loss, seed, target, tuple(seqs), nodes) for target, seqs in asked.items()}

@@ -41,6 +41,11 @@ class Recording(NamedTuple):
     dropped: Mapping[str, int]
 
 
+def epoch_key(message: Message) -> tuple[int, int]:
+    """Target and number of the epoch that a message belongs to."""
+    return message.target_id, message.seq if isinstance(message, Request) else message.request_seq
+
+
 def of_target(recording: Recording, target_id: int) -> Recording:
     """What concerns one target; -1: all of it."""
     if target_id < 0:
