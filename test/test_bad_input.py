@@ -7,10 +7,12 @@ import pytest
 from diagnostic_msgs.msg import DiagnosticArray
 from wsn_tracking_msgs import msg
 
+from feeding import Feed
 from live import private_domain, started
 from observer import observing
 from wsn_tracking.graphs import Process
 from wsn_tracking.nodes import convert, qos
+from wsn_tracking.sensing.recording import epoch_key
 from wsn_tracking.sensing.values import EpochEnd, Request, Rssi
 from wsn_tracking.simulation.record import record
 from wsn_tracking.simulation.scenarios import scenario
@@ -19,11 +21,6 @@ from wsn_tracking.trackers.estimate import Estimate
 TIMEOUT = 30.0  # [s]
 EPOCHS = 12
 NAN = float('nan')
-TOPICS = {
-    Request: ('request', msg.LocationRequest, convert.request_message),
-    Rssi: ('rssi', msg.RssiMeasurement, convert.rssi_message),
-    EpochEnd: ('epoch_end', msg.EpochEnd, convert.epoch_end_message),
-}
 
 
 def graph():
@@ -65,25 +62,20 @@ def bad_peers(estimate: Estimate):
 def outcome():
     """Estimates and diagnostics of a run in which good and bad messages alternate."""
     recording = record(scenario('a_loop'), 1)
-    messages = [m for m in recording.messages if (m.seq if isinstance(m, Request) else m.request_seq) < EPOCHS]
+    messages = [m for m in recording.messages if epoch_key(m)[1] < EPOCHS]
     with private_domain() as environment, observing(environment) as observer, started(graph(), environment) as running:
         node = observer.node
-        outputs = {t: node.create_publisher(cls, t, qos.MEASUREMENTS) for t, cls, _ in TOPICS.values()}
-        table = node.create_publisher(msg.Anchors, 'anchors', qos.LATCHED_LAST)
-        table.publish(convert.anchors_message(recording.anchors, 0))
+        feed = Feed(observer, recording.anchors, Rssi)
         peer = node.create_publisher(msg.TargetEstimate, 'estimate/local_2', qos.ESTIMATES)
         reports = node.create_publisher(msg.TriggerReport, 'trigger_report', qos.MEASUREMENTS)
         local = observer.collect(msg.TargetEstimate, 'estimate/local_1', qos.ESTIMATES)
         fused = observer.collect(msg.TargetEstimate, 'estimate/fused_1', qos.ESTIMATES)
         told = observer.collect(DiagnosticArray, '/diagnostics', qos.ESTIMATES)
-        observer.until(lambda: outputs['rssi'].get_subscription_count() == 1, TIMEOUT, 'sensing_node')
-        observer.until(lambda: outputs['request'].get_subscription_count() == 2, TIMEOUT, 'both nodes')
+        feed.until_heard(TIMEOUT, request=2, epoch_end=2)
         observer.until(lambda: reports.get_subscription_count() == 1, TIMEOUT, 'estimator_node')
         observer.until(lambda: peer.get_subscription_count() == 1, TIMEOUT, 'estimator_node')
         for message in messages:
-            for each in (message, *spoilt(message)):
-                topic, _, to_message = TOPICS[type(each)]
-                outputs[topic].publish(to_message(each))
+            feed.send(message, *spoilt(message))
             if isinstance(message, EpochEnd):
                 seq = message.request_seq
                 reports.publish(msg.TriggerReport(target_id=1, request_seq=seq, sent_ids=[1, 2], sent_seqs=[1]))

@@ -9,6 +9,7 @@ import pytest
 from diagnostic_msgs.msg import DiagnosticArray
 from wsn_tracking_msgs import msg
 
+from feeding import Feed
 from live import private_domain, started
 from observer import observing
 from wsn_tracking.evaluation.run import epochs_of
@@ -16,7 +17,8 @@ from wsn_tracking.evaluation.run_consensus import run_consensus
 from wsn_tracking.graphs import Process
 from wsn_tracking.graphs.consensus import districts
 from wsn_tracking.nodes import convert, qos
-from wsn_tracking.sensing.values import EpochEnd, RangeBearing, Request
+from wsn_tracking.sensing.recording import epoch_key
+from wsn_tracking.sensing.values import RangeBearing
 from wsn_tracking.simulation.b_field import FieldConfig, b_field
 from wsn_tracking.simulation.record import record
 from wsn_tracking.trackers.consensus_config import ConsensusConfig
@@ -27,11 +29,6 @@ from wsn_tracking.trackers.consensus_share import Share
 TIMEOUT = 60.0  # [s]
 EPOCHS = 5
 NAN, INF = float('nan'), float('inf')
-TOPICS = {
-    Request: ('request', msg.LocationRequest, convert.request_message),
-    RangeBearing: ('observation', msg.RangeBearing, convert.range_bearing_message),
-    EpochEnd: ('epoch_end', msg.EpochEnd, convert.epoch_end_message),
-}
 
 
 def scaled(share, factor):
@@ -91,24 +88,6 @@ def topic_of(i):
     return f'consensus/node_{i}'
 
 
-class Feed:
-    """Who sends a recording, an epoch at a time."""
-
-    def __init__(self, recording, node):
-        self.messages = recording.messages
-        self.outputs = {
-            topic: node.create_publisher(kind, topic, qos.MEASUREMENTS) for topic, kind, _ in TOPICS.values()
-        }
-        self.table = node.create_publisher(msg.Anchors, 'anchors', qos.LATCHED_LAST)
-        self.table.publish(convert.anchors_message(recording.anchors, 0))
-
-    def send(self, k):
-        for message in self.messages:
-            if (message.seq if isinstance(message, Request) else message.request_seq) == k:
-                topic, _, to_message = TOPICS[type(message)]
-                self.outputs[topic].publish(to_message(message))
-
-
 @pytest.mark.parametrize('scheme', ['icf', 'flood'])
 def test_bad_shares_are_counted_and_change_not_a_bit(scheme):
     """Half of the nodes live in a process, the others in the test."""
@@ -118,16 +97,17 @@ def test_bad_shares_are_counted_and_change_not_a_bit(scheme):
     timing = {'round_timeout': TIMEOUT, 'loss_timeout': TIMEOUT, 'input': 'observation', 'ids': list(inside)}
     process = Process('consensus_node', 'consensus', {'scheme': scheme, 'rounds': config.rounds, **timing})
     with private_domain() as environment, observing(environment) as observer, started([process], environment) as run:
-        feed = Feed(recording, observer.node)
+        feed = Feed(observer, recording.anchors, RangeBearing)
         others = Others({i: ConsensusNode(config, recording.anchors, i) for i in outside}, observer.node)
         told = observer.collect(DiagnosticArray, '/diagnostics', qos.ESTIMATES)
         seen = {i: observer.collect(msg.TargetEstimate, f'estimate/consensus_{i}', qos.ESTIMATES) for i in inside}
-        for output in (*feed.outputs.values(), *others.outputs.values()):
+        feed.until_heard(TIMEOUT)
+        for output in others.outputs.values():
             observer.until(partial(output.get_subscription_count), TIMEOUT, output.topic_name)
         for i in inside:
             observer.until(partial(observer.node.count_publishers, f'estimate/consensus_{i}'), TIMEOUT, f'node {i}')
         for k, epoch in enumerate(epochs_of(recording, 1, Counter(), lambda: None), 1):
-            feed.send(epoch.request_seq)
+            feed.send(*(m for m in recording.messages if epoch_key(m)[1] == epoch.request_seq))
             others.begin(epoch)
             observer.until(lambda k=k: {len(e) for e in seen.values()} == {k}, TIMEOUT, f'all estimates of epoch {k}')
         told.clear()

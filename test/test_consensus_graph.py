@@ -23,8 +23,6 @@ from wsn_tracking.sensing.values import RangeBearing
 from wsn_tracking.simulation.b_field import FieldConfig, b_field
 from wsn_tracking.simulation.record import record
 
-TIMEOUT = 180.0  # [s] on a machine that does much else
-
 
 def bag_of(folder, epochs):
     """A bag of a field of ten nodes; in its third epoch a node speaks that nobody knows."""
@@ -57,7 +55,7 @@ def through_graph(tmp_path):
         plan, graph = halves(bag, settings=settings, record=record, evaluator={'json': str(scores)})
         run = offline(*graphs.open_bag(str(bag)), settings=settings)
         with live.private_domain() as environment, live.started(graph, environment) as running:
-            live.wait_all(running, ['bag_player', 'evaluator', 'bag_recorder'], TIMEOUT)
+            live.wait_all(running, ['bag_player', 'evaluator', 'bag_recorder'], live.TIMEOUT)
         published = read_estimates(tmp_path / 'out')
         assert set(published) == set(run.estimates) == set(plan.outputs)
         return published, run, json.loads(scores.read_text('utf-8'))['input']
@@ -161,13 +159,15 @@ def test_neighbours_of_a_killed_process_go_on_and_it_rejoins_within_3_epochs(tmp
         def times_ready():
             return sum(message.data == 'consensus_nodes_2' for message in ready)
 
-        observer.until(lambda: bool(seen) and set(seen[-1].contributors) == everyone, TIMEOUT, 'all contributing')
+        observer.until(lambda: bool(seen) and set(seen[-1].contributors) == everyone, live.TIMEOUT, 'all contributing')
         running['consensus_nodes_2'].kill()
-        observer.until(lambda: alone() > plan.values['silent_epochs'], TIMEOUT, 'survivors that wait for nobody else')
+        observer.until(
+            lambda: alone() > plan.values['silent_epochs'], live.TIMEOUT, 'survivors that wait for nobody else'
+        )
         before, said = len(theirs), times_ready()
         process = next(p for p in graph if p.name == 'consensus_nodes_2')
         running['again'] = live.start(process, environment, tmp_path)
-        observer.until(lambda: times_ready() > said, TIMEOUT, 'it to be ready')
+        observer.until(lambda: times_ready() > said, live.TIMEOUT, 'it to be ready')
         back = seen[-1].request_seq + 1  # the epoch within which it is, at the latest
 
         def pairs():
@@ -175,8 +175,8 @@ def test_neighbours_of_a_killed_process_go_on_and_it_rejoins_within_3_epochs(tmp
             ours = {e.request_seq: e for e in seen if set(e.contributors) == everyone}
             return [(ours[e.request_seq], e) for e in theirs[before:] if e.request_seq in ours]
 
-        observer.until(lambda: any(apart(*pair) < 14.0 for pair in pairs()), TIMEOUT, 'that they agree')
-        observer.until(lambda: seen[-1].request_seq >= back + 3, TIMEOUT, 'three epochs more')
+        observer.until(lambda: any(apart(*pair) < 14.0 for pair in pairs()), live.TIMEOUT, 'that they agree')
+        observer.until(lambda: seen[-1].request_seq >= back + 3, live.TIMEOUT, 'three epochs more')
     of = {e.request_seq: e for e in seen}
     assert sorted(of) == list(range(seen[0].request_seq, seen[-1].request_seq + 1))
     assert any(set(of[k].contributors) == everyone for k in range(back, back + 4))

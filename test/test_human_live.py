@@ -12,6 +12,7 @@ from std_msgs.msg import String
 from wsn_tracking_msgs import msg
 
 import live
+from feeding import Feed
 from observer import observing
 from radio import LIVE, PATIENCE, QUIET, Radio
 from wsn_tracking import graphs
@@ -58,20 +59,11 @@ def test_nothing_that_is_heard_breaks_it(places):
         observing(environment) as observer,
         live.started(graph, environment) as running,
     ):
-        node = observer.node
-        kinds = {
-            Request: ('request', msg.LocationRequest, convert.request_message),
-            Rssi: ('rssi', msg.RssiMeasurement, convert.rssi_message),
-            EpochEnd: ('epoch_end', msg.EpochEnd, convert.epoch_end_message),
-        }
-        outputs = {kind: node.create_publisher(of, topic, qos.MEASUREMENTS) for kind, (topic, of, _) in kinds.items()}
-        table = node.create_publisher(msg.Anchors, 'anchors', qos.LATCHED_LAST)
-        table.publish(convert.anchors_message(anchors, 0))
+        feed = Feed(observer, anchors, Rssi)
         told = observer.collect(msg.TargetEstimate, 'estimate/human', qos.ESTIMATES)
         lagged = observer.collect(msg.TargetEstimate, 'estimate/human_lag', qos.ESTIMATES)
         poses = observer.collect(Odometry, 'odometry/human', qos.ESTIMATES)
-        for kind, publisher in outputs.items():
-            observer.until(lambda p=publisher: p.get_subscription_count() == 1, TIMEOUT, f'{kind} is taken')
+        feed.until_heard(TIMEOUT)
         stamp, sent = START, dict.fromkeys((*anchors.ids.tolist(), 99), 0)
         for k, (heard, later) in enumerate(EPOCHS):
             stamp += round(later * SECOND)
@@ -81,8 +73,7 @@ def test_nothing_that_is_heard_breaks_it(places):
                 sent[i] += 1
             seqs = tuple(m.seq for m in messages[1:])
             messages.append(EpochEnd(stamp, 1, k, 'rssi', tuple(heard), seqs, final=k == len(EPOCHS) - 1))
-            for message in messages:
-                outputs[type(message)].publish(kinds[type(message)][2](message))
+            feed.send(*messages)
             if later > -1.0:  # a jump back counts when a second request follows it there
                 observer.until(lambda n=k + 1: min(len(told), len(lagged)) >= n, TIMEOUT, f'the estimate of epoch {k}')
             assert running['human_tracker'].poll() is None

@@ -9,25 +9,16 @@ import numpy as np
 import pytest
 
 import live
+from feeding import first_epochs
 from wsn_tracking import graphs
 from wsn_tracking.bags.estimates import differences, read_estimates
 from wsn_tracking.bags.save import save
 from wsn_tracking.evaluation.run import summarise
 from wsn_tracking.offline import offline
-from wsn_tracking.sensing.recording import Recording
-from wsn_tracking.sensing.values import EpochEnd, Request
+from wsn_tracking.sensing.recording import epoch_key
 
-TIMEOUT = 180.0  # [s] on a machine that does much else
 REPEATS = 3
 CASES = ((1.0, 5), (20.0, 40), (0.0, 120))  # rate (0: as fast as it goes), epochs
-
-
-def shortened(recording: Recording, epochs: int) -> Recording:
-    """The first epochs of a recording, the last of them final."""
-    kept = [m for m in recording.messages if request_seq(m) < epochs]
-    last = max(i for i, m in enumerate(kept) if isinstance(m, EpochEnd))
-    kept[last] = kept[last]._replace(final=True)
-    return recording._replace(messages=tuple(kept))
 
 
 @pytest.fixture(scope='module')
@@ -38,7 +29,7 @@ def bags(tmp_path_factory):
     paths = {}
     for epochs in {epochs for _, epochs in CASES}:
         paths[epochs] = folder / f'a_loop_{epochs}'
-        save(paths[epochs], shortened(recording, epochs))
+        save(paths[epochs], first_epochs(recording, epochs))
     return paths
 
 
@@ -47,9 +38,9 @@ def replayed(bag, rate, folder, *, one_process_each=False):
     source, recording = graphs.open_bag(str(bag))
     outputs = graphs.plans_of(source, recording.anchors)[0].outputs
     record = {'output': str(folder), 'extra_topics': [f'estimate/{output}' for output in outputs]}
-    graph = graphs.replay(str(bag), rate=rate, record=record, one_process_each=one_process_each)
+    graph = graphs.replay(str(bag), rate=rate, record=record, one_process_each=one_process_each, settings=live.PATIENT)
     with live.private_domain() as environment, live.started(graph, environment) as running:
-        live.wait_all(running, ['bag_player', 'evaluator', 'bag_recorder'], TIMEOUT)
+        live.wait_all(running, ['bag_player', 'evaluator', 'bag_recorder'], live.TIMEOUT)
     return read_estimates(folder)
 
 
@@ -85,9 +76,8 @@ def assert_equal_to_evaluation(bag, estimates):
 def test_one_target_of_several_is_replayed_alone(tmp_path):
     """A second target that starts late, with dense truth: nothing of it is lost."""
     _, one = graphs.open_bag(str(live.A_LOOP))
-    two = shortened(one, 12)
-    late = [m._replace(target_id=2) for m in one.messages if 8 <= request_seq(m) < 20]
-    late = [m._replace(final=request_seq(m) == 19) if isinstance(m, EpochEnd) else m for m in late]
+    two = first_epochs(one, 12)
+    late = [m._replace(target_id=2) for m in first_epochs(one, 20).messages if epoch_key(m)[1] >= 8]
     truth = {1: one.truth[1], 2: dense(one.truth[1])._replace(target_id=2)}
     bag = tmp_path / 'two_targets'
     save(bag, two._replace(messages=(*two.messages, *late), truth=truth))
@@ -95,18 +85,14 @@ def test_one_target_of_several_is_replayed_alone(tmp_path):
     assert run.epochs == 12
     record = {'output': str(tmp_path / 'out'), 'extra_topics': ['estimate/fused_1']}
     scores = tmp_path / 'scores.json'
-    graph = graphs.replay(str(bag), rate=0.0, target_id=2, record=record, evaluator={'json': str(scores), 'skip': 0.0})
+    evaluator = {'json': str(scores), 'skip': 0.0}
+    graph = graphs.replay(str(bag), rate=0.0, target_id=2, record=record, evaluator=evaluator, settings=live.PATIENT)
     with live.private_domain() as environment, live.started(graph, environment) as running:
-        live.wait_all(running, ['bag_player', 'evaluator', 'bag_recorder'], TIMEOUT)
+        live.wait_all(running, ['bag_player', 'evaluator', 'bag_recorder'], live.TIMEOUT)
     published = read_estimates(tmp_path / 'out')['fused_1']
     assert differences(published, run.estimates['fused_1']) == []
     offline_score = summarise('two_targets', graphs.open_bag(str(bag))[1], run, 0.0).outputs['fused_1']
     assert json.loads(scores.read_text())['outputs']['fused_1']['rmse_m'] == offline_score.rmse_m
-
-
-def request_seq(message):
-    """The epoch of a message."""
-    return message.seq if isinstance(message, Request) else message.request_seq
 
 
 def dense(truth):

@@ -22,14 +22,13 @@
 
 from __future__ import annotations
 
-import contextlib
 import dataclasses
 import os
 
 import pytest
 from sink_cases import epochs, expected
 
-from radio import PATIENT, Heard, Radio, measured, until
+from radio import PATIENT, measured, until
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.zstack.faults import Event, Happening
 from wsn_tracking.zstack.payload import PayloadType
@@ -44,35 +43,10 @@ PARTS = [WORLD[k * PART : (k + 1) * PART] for k in range(3)]
 
 
 @pytest.fixture
-def link(tmp_path):
-    return tmp_path / 'sink'
-
-
-@pytest.fixture
-def radio(link):
-    """Starts simulated sinks; all are ended."""
-    with contextlib.ExitStack() as stack:
-
-        def start(*faults, world=WORLD, **config):
-            made = Radio(link, world, faults=faults, **{'rate': RATE, 'fault_time': 0.5, **config})
-            stack.enter_context(made.running())
-            return made
-
-        yield start
-
-
-@pytest.fixture
-def host(link):
-    """Starts hosts; all are closed."""
-    with contextlib.ExitStack() as stack:
-
-        def start(**config):
-            made = Heard(link, **config)
-            stack.callback(made.session.close)
-            made.session.start()
-            return made
-
-        yield start
+def radio(radio):
+    """Starts sinks that tell of this world, with these faults."""
+    quick = {'rate': RATE, 'fault_time': 0.5}
+    return lambda *faults, world=WORLD, **config: radio(world, faults=faults, **{**quick, **config})
 
 
 def strikes(radio):

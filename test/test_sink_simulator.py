@@ -17,7 +17,7 @@ from wsn_tracking_msgs import msg
 
 import live
 from observer import observing
-from radio import PATIENCE, Heard, Radio, until
+from radio import PATIENCE, until
 from wsn_tracking.commands import sink_simulate
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.nodes import convert, qos
@@ -33,35 +33,9 @@ MARGIN_NS = 200_000_000  # what a busy machine may hold up every message of a ru
 
 
 @pytest.fixture
-def link(tmp_path):
-    return tmp_path / 'sink'
-
-
-@pytest.fixture
-def sink(link):
-    """Starts simulated sinks; all are ended."""
-    with contextlib.ExitStack() as stack:
-
-        def start(world=WORLD, **config):
-            made = Radio(link, world, **{'rate': RATE, **config})
-            stack.enter_context(made.running())
-            return made
-
-        yield start
-
-
-@pytest.fixture
-def host(link):
-    """Starts hosts of this project; all are closed."""
-    with contextlib.ExitStack() as stack:
-
-        def start(**config):
-            made = Heard(link, **config)
-            stack.callback(made.session.close)
-            made.session.start()
-            return made
-
-        yield start
+def sink(radio):
+    """Starts sinks that tell of this world."""
+    return lambda world=WORLD, **config: radio(world, **{'rate': RATE, **config})
 
 
 # ---- the port
@@ -191,7 +165,7 @@ def test_node_serves_the_bridge_and_tells_the_truth(link):
     """sink_simulator and serial_bridge_node: every measurement arrives, between truths in the same time."""
     with live.private_domain() as environment, observing(environment) as observer:
         rssi = observer.collect(msg.RssiMeasurement, 'rssi', qos.MEASUREMENTS)
-        truth = observer.collect(Odometry, 'truth/target_1', qos.TRUTH)
+        truth = observer.collect(Odometry, 'truth/target_1', qos.FED)
         anchors = observer.collect(msg.Anchors, 'anchors', qos.LATCHED_LAST)
         expecting = 'expected_nodes:=[serial_bridge_node]'
         outputs = 'expected_subscribers:=[truth/target_1=1]'

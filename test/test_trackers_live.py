@@ -10,6 +10,7 @@ from geometry_msgs.msg import PoseArray
 from wsn_tracking_msgs import msg
 
 import live
+from feeding import Feed, first_epochs
 from observer import observing
 from wsn_tracking import graphs, live_study
 from wsn_tracking.bags.estimates import differences, read_estimates
@@ -18,25 +19,19 @@ from wsn_tracking.evaluation.report_json import to_json
 from wsn_tracking.evaluation.run import summarise
 from wsn_tracking.nodes import convert, convert_human, qos
 from wsn_tracking.offline import offline
-from wsn_tracking.sensing.recording import of_target
-from wsn_tracking.sensing.values import EpochEnd, Range, Request
+from wsn_tracking.sensing.recording import epoch_key, of_target
+from wsn_tracking.sensing.values import EpochEnd, Range
 from wsn_tracking.simulation.record import record
 from wsn_tracking.simulation.scenarios import scenario
-
-TIMEOUT = 180.0  # [s] on a machine that does much else
-PATIENT = {'output_timeout': TIMEOUT, 'ready_timeout': TIMEOUT}
 
 
 def recorded(name, epochs, seed=1):
     """The first epochs of a scenario, of every target."""
-    whole = record(scenario(name, seed=seed), seed)
-    kept = [m for m in whole.messages if seq_of(m) < epochs]
-    kept = [m._replace(final=seq_of(m) == epochs - 1) if isinstance(m, EpochEnd) else m for m in kept]
-    return whole._replace(messages=tuple(kept))
+    return first_epochs(record(scenario(name, seed=seed), seed), epochs)
 
 
 def seq_of(message):
-    return message.seq if isinstance(message, Request) else message.request_seq
+    return epoch_key(message)[1]
 
 
 @pytest.mark.parametrize(
@@ -62,10 +57,10 @@ def test_graph_equals_evaluation(tmp_path, name, epochs, trackers, outputs):
         trackers=trackers,
         record=recorder,
         evaluator={'json': str(scores), 'skip': 0.5},
-        settings=PATIENT,
+        settings=live.PATIENT,
     )
     with live.private_domain() as environment, live.started(graph, environment) as running:
-        live.wait_all(running, ['bag_player', 'evaluator', 'bag_recorder'], TIMEOUT)
+        live.wait_all(running, ['bag_player', 'evaluator', 'bag_recorder'], live.TIMEOUT)
     published = read_estimates(tmp_path / 'out')
     assert set(outputs) <= set(published)
     assert set(published) == set(run.estimates) - {'mean', 'lci'}
@@ -96,29 +91,20 @@ def test_targets_come_go_and_are_confused_without_disturbing_another_track():
         observing(environment) as observer,
         live.started(graph, environment) as running,
     ):
-        node = observer.node
-        kinds = {
-            Request: ('request', msg.LocationRequest, convert.request_message),
-            Range: ('range', msg.RangeMeasurement, convert.range_message),
-            EpochEnd: ('epoch_end', msg.EpochEnd, convert.epoch_end_message),
-        }
-        outputs = {kind: node.create_publisher(of, topic, qos.MEASUREMENTS) for kind, (topic, of, _) in kinds.items()}
-        table = node.create_publisher(msg.Anchors, 'anchors', qos.LATCHED_LAST)
-        table.publish(convert.anchors_message(whole.anchors, 0))
+        feed = Feed(observer, whole.anchors, Range)
         seen = {
             i: observer.collect(msg.TargetEstimate, f'estimate/hybrid_target_{i}', qos.ESTIMATES) for i in (1, 2, 3)
         }
         told = observer.collect(DiagnosticArray, '/diagnostics', qos.ESTIMATES)
-        for kind, publisher in outputs.items():
-            observer.until(lambda p=publisher: p.get_subscription_count() == 1, TIMEOUT, f'{kind} is taken')
+        feed.until_heard(live.TIMEOUT)
         for message in messages:
-            outputs[type(message)].publish(kinds[type(message)][2](message))
+            feed.send(message)
             if isinstance(message, EpochEnd) and message.target_id == 1:
                 seq = message.request_seq
-                observer.until(lambda seq=seq: any(e.request_seq == seq for e in seen[1]), TIMEOUT, f'epoch {seq}')
-        observer.until(lambda: any(e.request_seq == 59 for e in seen[3]), TIMEOUT, 'the last epoch of 3')
+                observer.until(lambda seq=seq: any(e.request_seq == seq for e in seen[1]), live.TIMEOUT, f'epoch {seq}')
+        observer.until(lambda: any(e.request_seq == 59 for e in seen[3]), live.TIMEOUT, 'the last epoch of 3')
         told.clear()
-        observer.until(lambda: bool(told), TIMEOUT, 'diagnostics')
+        observer.until(lambda: bool(told), live.TIMEOUT, 'diagnostics')
         assert running['hybrid_tracker'].poll() is None
     counters = {pair.key: pair.value for pair in told[-1].status[0].values}
     alone = offline(graphs.source_of('one', of_target(whole, 1)), of_target(whole, 1), trackers='hybrid')
@@ -143,7 +129,7 @@ def test_twenty_targets_at_20_hz_take_less_than_half_a_core(monkeypatch):
 def test_particles_and_what_they_say_are_shown_to_who_looks(tmp_path):
     bag = tmp_path / 'c_circle'
     save(bag, recorded('c_circle', 40))
-    settings = {**PATIENT, 'particles': 200, 'particle_rate': 100.0}
+    settings = {**live.PATIENT, 'particles': 200, 'particle_rate': 100.0}
     graph = graphs.replay(str(bag), rate=2.0, trackers='human', settings=settings)
     with (
         live.private_domain() as environment,
@@ -152,7 +138,7 @@ def test_particles_and_what_they_say_are_shown_to_who_looks(tmp_path):
     ):
         clouds = observer.collect(PoseArray, 'particles/human', qos.DISPLAY)
         reports = observer.collect(msg.HumanReport, 'human_report', qos.MEASUREMENTS)
-        observer.until(lambda: bool(clouds) and bool(reports), TIMEOUT, 'particles and reports')
+        observer.until(lambda: bool(clouds) and bool(reports), live.TIMEOUT, 'particles and reports')
         assert running['human_tracker'].poll() is None
     assert len(clouds[0].poses) == 200
     assert clouds[0].header.frame_id == 'map'
