@@ -1,7 +1,12 @@
 """From claims to the report: what is written follows from the JSON, and the JSON from the filters."""
 
 import json
+import os
 import re
+import signal
+import subprocess
+import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,8 +14,10 @@ from reproduction_cases import SETTING, measured, small
 
 from wsn_tracking import cli
 from wsn_tracking.errors import TrackingError
+from wsn_tracking.files import check_folder
 from wsn_tracking.filters import information, srckf
 from wsn_tracking.reproduction import content as contents
+from wsn_tracking.reproduction import reproduce
 from wsn_tracking.reproduction.catalogue import CLAIMS, DOCUMENTS, experiments_of, wanted
 from wsn_tracking.reproduction.content import content
 from wsn_tracking.reproduction.guide import ADVICE
@@ -177,7 +184,8 @@ def test_the_command_writes_both_files_and_tells_verdicts(tmp_path, capsys):
 @pytest.mark.parametrize(
     ('arguments', 'code', 'words'),
     [
-        (['Z'], 1, 'no claim or document'),
+        (['Z'], 1, 'expected A to E, X, or a claim as A3'),
+        (['A99'], 1, 'expected one of A1, A2'),
         (['B4', '--jobs', '0'], 2, 'no number of workers'),
         (['B4', '--jobs', 'two'], 2, 'no number of workers'),
         (['B4', '--data', '.'], 1, 'add X to what is computed'),
@@ -189,8 +197,57 @@ def test_a_wrong_call_is_one_line(capsys, tmp_path, arguments, code, words):
     assert words in told.err
 
 
-def test_a_file_is_no_folder_for_the_report(capsys, tmp_path):
+def test_names_are_taken_in_any_case(tmp_path, capsys):
+    assert run_cli(capsys, 'b4', '--quick', '--jobs', '1', '-o', str(tmp_path))[0] == 0
+    kept = json.loads((tmp_path / 'reproduction.json').read_text('utf-8'))
+    assert kept['command'] == './wsn-tracking reproduce B4 --quick --seed 7001'
+
+
+@pytest.mark.parametrize('below', ['', 'below', 'below/it'])
+def test_what_cannot_be_written_is_refused_before_the_work(capsys, tmp_path, monkeypatch, below):
+    monkeypatch.setattr(reproduce, 'computed', lambda *_: pytest.fail('it works for nothing'))
     (tmp_path / 'file').write_text('')
-    code, told = run_cli(capsys, 'B4', '-o', str(tmp_path / 'file'))
+    code, told = run_cli(capsys, 'B4', '-o', str(tmp_path / 'file' / below))
     assert code == 1
-    assert 'is no folder' in told.err
+    assert 'cannot be written' in told.err
+    assert told.err.count('\n') == 1
+    assert [path.name for path in tmp_path.iterdir()] == ['file']
+
+
+def test_a_folder_that_can_be_made_is_not_made_before_there_is_something_in_it(tmp_path):
+    check_folder(tmp_path / 'new' / 'below')
+    check_folder(tmp_path)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_report_that_cannot_be_drawn_leaves_nothing(found, tmp_path, monkeypatch):
+    def broken(content_):
+        raise TrackingError('no pen')
+
+    monkeypatch.setattr(reproduce, 'page', broken)
+    with pytest.raises(TrackingError, match='no pen'):
+        write(tmp_path, found)
+    assert list(tmp_path.iterdir()) == []
+
+
+COMMAND = (
+    'import signal; from wsn_tracking import cli; signal.signal(signal.SIGINT, signal.default_int_handler); '
+    "cli.main(['reproduce', 'A', '--jobs', '2', '-o', 'report'])"
+)
+
+
+def test_interrupted_it_ends_at_once_without_a_word_and_leaves_nothing(tmp_path):
+    """Ctrl-C reaches the workers as well."""
+    process = subprocess.Popen(
+        [sys.executable, '-c', COMMAND], cwd=tmp_path, stderr=subprocess.PIPE, start_new_session=True
+    )
+    children = Path(f'/proc/{process.pid}/task/{process.pid}/children')
+    try:
+        while process.poll() is None and len(children.read_text().split()) < 3:  # two workers, and who cleans up
+            os.sched_yield()
+        os.killpg(process.pid, signal.SIGINT)
+        told = process.communicate(timeout=60)[1]
+    finally:
+        process.kill()
+    assert (process.returncode, told) == (130, b'')
+    assert list(tmp_path.iterdir()) == []

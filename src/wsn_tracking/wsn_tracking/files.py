@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import stat
+import tempfile
 from pathlib import Path
 
 from wsn_tracking.errors import TrackingError
@@ -32,6 +34,23 @@ def check_new_folder(path: str | Path) -> None:
         raise TrackingError(f'{wanted} exists: name another folder or remove it') from None
     except OSError as error:
         raise TrackingError(f'{wanted} cannot be made ({error.strerror}): name a folder in one that you own') from error
+
+
+def check_folder(path: str | Path) -> None:
+    """Raise TrackingError where nothing can be written into a folder of that name; it need not be there yet."""
+    wanted = Path(path)
+    missing = [folder for folder in (wanted, *wanted.parents) if not folder.exists()]
+    try:
+        wanted.mkdir(parents=True, exist_ok=True)
+        tempfile.TemporaryFile(dir=wanted).close()
+    except OSError as error:
+        raise TrackingError(
+            f'{wanted} cannot be written ({error.strerror}): name a folder that you own, or a new one in it'
+        ) from error
+    finally:
+        for folder in missing:
+            with contextlib.suppress(OSError):
+                folder.rmdir()
 
 
 def write_whole(path: str | Path, content: bytes) -> None:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from wsn_tracking.commands.base import Commands, add_command, progress, seed
 from wsn_tracking.errors import TrackingError
+from wsn_tracking.files import check_folder
 
 BACKENDS = ('loky', 'threading', 'dask')
 
@@ -45,18 +46,19 @@ def _jobs(text: str) -> int:
 
 
 def _do(options: argparse.Namespace) -> int:
+    from wsn_tracking.evaluation.plot_style import new_figure
     from wsn_tracking.reproduction.catalogue import wanted
     from wsn_tracking.reproduction.content import Setting, commit
     from wsn_tracking.reproduction.engine import Workers
     from wsn_tracking.reproduction.reproduce import COMPARISON, computed, write
 
-    if options.output.exists() and not options.output.is_dir():
-        raise TrackingError(f'{options.output} is no folder: name one for the report')
     claims = wanted(options.names)
     if options.data and not any(claim.document == COMPARISON for claim in claims):
         raise TrackingError('--data is for the comparison of all systems: add X to what is computed')
+    check_folder(options.output)
+    new_figure(1.0, 1.0)  # what cannot be drawn or written is told before the work
     given = [*(['--quick'] if options.quick else []), *(['--data', 'DATA'] if options.data else [])]
-    words = [*options.names, *given, '--seed', str(options.seed)]
+    words = [*(name.upper() for name in options.names), *given, '--seed', str(options.seed)]
     setting = Setting(options.seed, options.quick, f'./wsn-tracking reproduce {shlex.join(words)}', commit())
     workers = Workers(options.jobs, options.backend, options.scheduler)
     found = computed(claims, setting, workers, progress('reproduce'), options.data)

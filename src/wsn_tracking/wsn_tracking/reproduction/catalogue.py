@@ -16,18 +16,15 @@ DOCUMENTS = tuple(dict.fromkeys(claim.document for claim in CLAIMS))
 
 
 def wanted(names: Sequence[str], claims: Sequence[Claim] = CLAIMS) -> list[Claim]:
-    """The claims of these documents (`A`) or with these ids (`A3`); none: all."""
-    known = {*(claim.id for claim in claims), *(claim.document for claim in claims)}
-    for name in names:
-        if name not in known:
-            raise TrackingError(f'there is no claim or document `{name}`: expected A to E, X or one of {_told(claims)}')
-    return [claim for claim in claims if not names or claim.id in names or claim.document in names]
+    """The claims of these documents (`A`) or with these ids (`A3`), in any case; none: all."""
+    asked = {name.upper() for name in names}
+    for name in sorted(asked - {claim.id for claim in claims} - {claim.document for claim in claims}):
+        near = [claim.id for claim in claims if claim.document == name[:1]]
+        expected = f'one of {", ".join(near)}' if near else 'A to E, X, or a claim as A3'
+        raise TrackingError(f'there is no claim or document `{name}`: expected {expected}')
+    return [claim for claim in claims if not asked or asked & {claim.id, claim.document}]
 
 
 def experiments_of(claims: Sequence[Claim]) -> list[Experiment]:
     """What must be run for these claims, each once."""
     return list({claim.experiment.name: claim.experiment for claim in claims if claim.experiment}.values())
-
-
-def _told(claims: Sequence[Claim]) -> str:
-    return ', '.join(claim.id for claim in claims)

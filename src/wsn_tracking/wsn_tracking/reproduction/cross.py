@@ -65,7 +65,7 @@ def followed(
     summaries: list[Summary] = []
     spent = np.zeros(3)
     for source, recording in opened:
-        for target in source.targets[: field.targets]:
+        for target in source.targets:
             before = time.process_time()
             outcome = contender.follow((source, recording), field.facts, target, seed)
             spent += (*outcome.sent, time.process_time() - before)

@@ -29,7 +29,6 @@ class Field(NamedTuple):
     what: str
     facts: Facts
     real: bool = False
-    targets: int | None = None  # so many of those that it has; None: all
 
 
 FIELDS = (
@@ -56,10 +55,9 @@ FIELDS = (
     ),
     Field(
         'mrclam',
-        'one of five robots that see landmarks at times, ranges, 15 nodes',
+        'five robots that see landmarks at times, ranges, 15 nodes',
         Facts(0.1, 0.02, 20.0, 5.5, 3, range_std=0.2),
         True,
-        targets=1,
     ),
     Field('zignav', 'ZigBee node at rest, RSSI, 4 nodes, every 12 s', Facts(0.01, 1e-6, 1.0, 20.0, 2), True),
 )

@@ -8,9 +8,13 @@ from __future__ import annotations
 
 import importlib
 import os
+import signal
+import threading
+import warnings
 import zlib
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import AbstractContextManager, contextmanager, nullcontext
+from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
+from multiprocessing import resource_tracker
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -91,9 +95,36 @@ def _computed(tasks: Sequence[tuple[Experiment, int, int]], workers: Workers) ->
         raise TrackingError(
             'several workers need joblib, which is not installed: install it or use --jobs 1'
         ) from error
-    with _cluster(workers, jobs), joblib.parallel_config(backend=workers.backend, n_jobs=jobs):
-        pool = joblib.Parallel(return_as='generator_unordered', batch_size=1, pre_dispatch='all')
-        yield from pool(joblib.delayed(unit)(*task) for task in tasks)
+    with ExitStack() as stack:
+        with _deaf_to_interrupts():
+            stack.enter_context(_cluster(workers, jobs))
+            stack.enter_context(joblib.parallel_config(backend=workers.backend, n_jobs=jobs))
+            pool = joblib.Parallel(return_as='generator_unordered', batch_size=1)
+            ready = pool(joblib.delayed(unit)(*task) for task in tasks)
+            stack.callback(_closed, ready)
+        yield from ready
+
+
+def _closed(ready: Any) -> None:
+    """Let go of results that nobody waits for any more: joblib warns of them, and its thread stumbles over them."""
+    hook, threading.excepthook = threading.excepthook, lambda _: None
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter('ignore')
+            ready.close()
+    finally:
+        threading.excepthook = hook
+
+
+@contextmanager
+def _deaf_to_interrupts() -> Iterator[None]:
+    """Processes that are begun here never see Ctrl-C: who began them ends them, and each would print a traceback."""
+    resource_tracker.ensure_running()  # to begin it later, as Dask does, would undo the next line
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def _cluster(workers: Workers, jobs: int) -> AbstractContextManager[Any]:

@@ -50,7 +50,7 @@ def computed(
 def write(folder: Path, found: dict[str, Any]) -> list[Path]:
     """The report, what it is made of, and both in short."""
     text = json.dumps(found, indent=1, allow_nan=False) + '\n'
-    write_whole(folder / JSON, text.encode())
-    write_whole(folder / HTML, page(found).encode())
-    write_whole(folder / SHORT, digest(found).encode())
-    return [folder / HTML, folder / JSON, folder / SHORT]
+    files = {HTML: page(found), JSON: text, SHORT: digest(found)}  # all are made before the first is written
+    for name, told in files.items():
+        write_whole(folder / name, told.encode())
+    return [folder / name for name in files]
