@@ -40,6 +40,10 @@ class Observer:
     def _hear(self, array: DiagnosticArray) -> None:
         self._told.update({status.name: status for status in array.status})
 
+    def told(self, name: str) -> dict[str, str]:
+        """What a node has last said of itself in /diagnostics."""
+        return {pair.key: pair.value for pair in self._told[name].values} if name in self._told else {}
+
     def _words(self) -> str:
         """Each node's last sentence and values; 'age of' tells how long ago it heard whom."""
         return '\n'.join(

@@ -33,6 +33,7 @@ class BagRecorderNode(TrackingNode[RecorderConfig]):
         entries = dict(entry.partition('=')[::2] for entry in config.metadata if entry)
         self._writer = BagWriter(config.output, {'entry_level': config.entry_level, **entries})
         self._counts: Counter[str] = Counter()
+        self._listed: Counter[str] = Counter()  # what the feed says that it has sent
         self._going: set[int] = set()  # targets whose feed has not ended
         self._ended = False
         self._last = time.monotonic()
@@ -59,29 +60,37 @@ class BagRecorderNode(TrackingNode[RecorderConfig]):
             self._writer.write_raw(topic, type_name, cdr, time.time_ns())
             if topic == 'epoch_end':
                 end = deserialize_message(cdr, msg.EpochEnd)
+                self._listed[end.topic] += len(end.seqs)
                 (self._going.discard if end.final else self._going.add)(end.target_id)
                 self._ended = not self._going
 
-        profile = qos.TRUTH if topic.startswith('truth/') else qos.SCORED
-        profile = qos.LATCHED_LAST if topic == 'anchors' else profile
+        profile = qos.LATCHED_LAST if topic == 'anchors' else qos.FED
         subscription = self.create_subscription(CLASSES[type_name], topic, callback, profile, raw=True)
         self._matching.subscription(subscription, topic)
 
     def _finish(self) -> None:
         if self._ended and time.monotonic() - self._last > self.config.silence:
-            raise Finished
+            raise Finished(1 if self._missing else 0)
+
+    @property
+    def _missing(self) -> dict[str, int]:
+        """Messages by topic that are recorded, that the feed has listed and that have not come."""
+        missing = self._listed - self._counts
+        return {topic: count for topic, count in missing.items() if topic in self._topics()}
 
     def destroy_node(self) -> None:
         """Finalise the bag, whatever ended the node."""
         try:
             self._writer.close()
             self.get_logger().info(f'{self.config.output}: {dict(self._counts)}')
+            for topic, count in self._missing.items():
+                self.get_logger().error(f'{topic}: {count} of {self._listed[topic]} messages have not come')
         finally:
             super().destroy_node()
 
     def state(self) -> Mapping[str, Any]:
-        """Messages written by topic."""
-        return dict(self._counts)
+        """Messages written by topic, and those that have not come."""
+        return {**self._counts, **{f'missing.{topic}': count for topic, count in self._missing.items()}}
 
 
 def main() -> None:

@@ -73,13 +73,13 @@ class EvaluatorNode(TrackingNode[EvaluatorConfig]):
                 self._last = now
                 self._estimates[name].append(estimate)
 
-        self.take(msg.TargetEstimate, f'estimate/{name}', convert.estimate_value, heard, qos.SCORED)
+        self.take(msg.TargetEstimate, f'estimate/{name}', convert.estimate_value, heard, qos.FED)
 
     def _take_truth(self, target: int, poses: list[tuple[int, Floats, Floats]]) -> None:
         def heard(pose: tuple[int, Floats, Floats], now: float) -> None:
             poses.append(pose)
 
-        self.take(Odometry, f'truth/target_{target}', convert.truth_position, heard, qos.TRUTH)
+        self.take(Odometry, f'truth/target_{target}', convert.truth_position, heard, qos.FED)
 
     def _end(self, end: EpochEnd, now: float) -> None:
         self._last = now

@@ -80,8 +80,7 @@ class FeedNode(TrackingNode[Config]):
         return sorted({event.topic for event in self._playback.events} | {'request', 'epoch_end'})
 
     def _publisher(self, topic: str) -> Any:
-        kind = Odometry if topic.startswith('truth/') else TYPES[topic]
-        return self.give(kind, topic, qos.TRUTH if kind is Odometry else qos.MEASUREMENTS)
+        return self.give(Odometry if topic.startswith('truth/') else TYPES[topic], topic, qos.FED)
 
     def _heard_ready(self, message: String) -> None:
         self._awaited.discard(message.data)

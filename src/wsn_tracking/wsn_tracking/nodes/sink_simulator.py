@@ -45,7 +45,7 @@ class SinkSimulator(TrackingNode[SinkSimulatorConfig]):
         config = self.config
         world = _Driven(config) if config.driven.on else _Recorded(config)
         self._epochs, self._first_ns, self._truth = world.epochs, world.first_ns, world.truth
-        self._outputs = {target: self.give(Odometry, f'truth/target_{target}', qos.TRUTH) for target in self._truth}
+        self._outputs = {target: self.give(Odometry, f'truth/target_{target}', qos.FED) for target in self._truth}
         if config.publish_anchors:
             table = convert.anchors_message(world.anchors, time.time_ns())
             self.create_publisher(msg.Anchors, 'anchors', qos.LATCHED_LAST).publish(table)

@@ -1,0 +1,57 @@
+"""What the recorder's bag holds, however far it falls behind, and what it says of what never came."""
+
+from __future__ import annotations
+
+import signal
+
+from std_msgs.msg import String
+from wsn_tracking_msgs import msg
+
+import live
+from observer import observing
+from wsn_tracking import graphs
+from wsn_tracking.bags.read import read
+from wsn_tracking.node_parameters.feeds import RECORDER
+from wsn_tracking.nodes import qos
+
+TIMEOUT = 60.0  # [s]
+
+
+def test_a_recorder_that_stands_still_until_the_feed_has_ended_loses_nothing(tmp_path):
+    graph = graphs.replay(str(live.A_LOOP), rate=0.0, record={'output': str(tmp_path / 'out')})
+    first, evaluator = ([p for p in graph if (p.name == 'evaluator') is last] for last in (False, True))
+    with (
+        live.private_domain() as environment,
+        observing(environment) as observer,
+        live.started(first, environment) as running,
+    ):
+        ready = observer.collect(String, 'ready', qos.LATCHED)
+        observer.until(lambda: RECORDER in {said.data for said in ready}, TIMEOUT, 'the recorder')
+        running[RECORDER].send_signal(signal.SIGSTOP)
+        with live.started(evaluator, environment) as scoring:  # without which nothing is sent
+            live.wait_all(scoring, ['evaluator'], TIMEOUT)  # ends once the last estimate is in
+        running[RECORDER].send_signal(signal.SIGCONT)
+        live.wait_all(running, [RECORDER, 'bag_player'], TIMEOUT)
+    sent, kept = read(live.A_LOOP), read(tmp_path / 'out')
+    assert sorted(map(repr, kept.messages)) == sorted(map(repr, sent.messages))
+
+
+def test_a_recorder_says_what_was_listed_and_has_not_come(tmp_path):
+    recorder = graphs.Process(
+        'bag_recorder_node', RECORDER, {'output': str(tmp_path / 'out'), 'targets': [1], 'silence': 0.2}
+    )
+    with (
+        live.private_domain() as environment,
+        observing(environment) as observer,
+        live.started([recorder], environment) as running,
+    ):
+        ends = observer.node.create_publisher(msg.EpochEnd, 'epoch_end', qos.FED)
+        readings = observer.node.create_publisher(msg.RssiMeasurement, 'rssi', qos.FED)
+        observer.until(lambda: ends.get_subscription_count() and readings.get_subscription_count(), TIMEOUT, RECORDER)
+        for seq in (4, 6):
+            readings.publish(msg.RssiMeasurement(node_id=seq, target_id=1, seq=seq, rssi_dbm=-50.0))
+        observer.until(lambda: observer.told(f'/{RECORDER}').get('rssi') == '2', TIMEOUT, 'two readings')
+        ends.publish(msg.EpochEnd(target_id=1, topic='rssi', node_ids=[4, 5, 6], seqs=[4, 5, 6], final=True))
+        output, _ = running[RECORDER].communicate(timeout=TIMEOUT)
+    assert running[RECORDER].returncode == 1
+    assert 'rssi: 1 of 3 messages have not come' in output
