@@ -2,6 +2,7 @@
 
 import json
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,7 +10,6 @@ import pytest
 from wsn_tracking.bags.read import read
 from wsn_tracking.bags.save import save
 from wsn_tracking.benchmarks import bags, graph, nodes, people, serial, table
-from wsn_tracking.cli import main
 from wsn_tracking.commands import bench
 from wsn_tracking.evaluation import benchmark_filter as filters
 from wsn_tracking.evaluation import benchmark_fusion as fusion
@@ -267,18 +267,27 @@ def test_a_graph_that_cannot_start_is_said_and_not_fatal(monkeypatch):
     (row,) = graph.rows(TINY)
     assert row.ours is None
     assert 'not installed' in row.note
-    monkeypatch.setattr(nodes, '_latency', lambda sizes: ())
-    for module in (nodes, people):
-        (row,) = module.rows(TINY)
-        assert 'not installed' in row.note
+    (row,) = people.rows(TINY)
+    assert 'not installed' in row.note
 
 
-def test_command_prints_the_table_and_writes_the_file(monkeypatch, tmp_path, capsys):
+def test_nodes_that_cannot_start_are_said_and_not_fatal(monkeypatch):
+    monkeypatch.setattr(nodes, 'MODULES', 'no_such_package')
+    (row,) = nodes.rows(TINY)
+    assert row.ours is None
+    assert 'No module named' in row.note
+
+
+def test_figures_of_a_process_are_what_it_prints_last(monkeypatch):
+    said = SimpleNamespace(returncode=0, stdout='the middleware complains\n0.5 0.25\n', stderr='')
+    monkeypatch.setattr(nodes.subprocess, 'run', lambda *_, **__: said)
+    assert nodes._numbers('some.module') == [0.5, 0.25]
+
+
+def test_command_prints_the_table_and_writes_the_file(call, monkeypatch, tmp_path):
     monkeypatch.setattr(table, 'GROUPS', {'fusion': lambda sizes: ROWS})
-    with pytest.raises(SystemExit) as end:
-        main(['bench', '--only', 'fusion', '--json', str(tmp_path / 'b.json')])
-    assert end.value.code == 0
-    assert capsys.readouterr().out == table.format_table(ROWS) + '\n'
+    ended = call('bench', '--only', 'fusion', '--json', tmp_path / 'b.json')
+    assert (ended.code, ended.out) == (0, table.format_table(ROWS) + '\n')
     assert (tmp_path / 'b.json').read_text() == table.to_json(ROWS)
 
 

@@ -59,7 +59,7 @@ def _started(module: str, function: str) -> list[str]:
 
 
 def _numbers(module: str, *words: str) -> list[float]:
-    """What a module prints when it is run."""
+    """What a module prints last when it is run; the middleware may have complained before."""
     done = subprocess.run(
         [sys.executable, '-m', module, *words],
         env=private(),
@@ -70,4 +70,4 @@ def _numbers(module: str, *words: str) -> list[float]:
     )
     if done.returncode:
         raise TrackingError(f'{module} ended with code {done.returncode}: {done.stderr[-300:]}')
-    return [float(word) for word in done.stdout.split()]
+    return [float(word) for word in done.stdout.splitlines()[-1].split()]
