@@ -7,7 +7,6 @@ import pytest
 
 from wsn_tracking.bags.read import read
 from wsn_tracking.bags.save import save
-from wsn_tracking.cli import main
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.models.graph import adjacency, is_connected
 from wsn_tracking.models.range_bearing import wrapped
@@ -125,15 +124,11 @@ def test_a_bag_gives_back_what_was_recorded(tmp_path):
     assert (back.metadata['scenario'], back.metadata['configuration']) == ('b_field', 'consensus')
 
 
-def test_the_command_line_takes_parameters(tmp_path, capsys):
-    def call(bag, *arguments):
-        with pytest.raises(SystemExit) as ended:
-            main(['simulate', 'b_field', '-o', str(tmp_path / bag), *arguments])
-        return ended.value.code, capsys.readouterr()
-
-    code, (out, _) = call('bag', '--set', 'epochs=4', '--set', 'dead=[7]', '--set', 'dead_from=2')
-    assert code == 0
-    assert '206 messages' in out  # 4 x (50 + 2), but for two of node 7's
+def test_the_command_line_takes_parameters(call, tmp_path):
+    words = ['--set', 'epochs=4', '--set', 'dead=[7]', '--set', 'dead_from=2']
+    ended = call('simulate', 'b_field', '-o', tmp_path / 'bag', *words)
+    assert ended.code == 0
+    assert '206 messages' in ended.out  # 4 x (50 + 2), but for two of node 7's
     ends = [m for m in read(tmp_path / 'bag').messages if isinstance(m, EpochEnd)]
     assert [7 in end.node_ids for end in ends] == [True, True, False, False]
     for arguments, words in {
@@ -142,6 +137,6 @@ def test_the_command_line_takes_parameters(tmp_path, capsys):
         ('--set', 'epochs=4', '--set', 'epochs=5'): '`epochs` is set twice',
         ('--set', 'dead=[7', '--live'): 'no readable YAML',
     }.items():
-        code, (_, err) = call('other', *arguments)
-        assert (code, err.count('\n')) == (1, 1)
-        assert words in err
+        ended = call('simulate', 'b_field', '-o', tmp_path / 'other', *arguments)
+        assert (ended.code, ended.err.count('\n')) == (1, 1)
+        assert words in ended.err

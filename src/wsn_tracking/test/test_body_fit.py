@@ -8,7 +8,6 @@ import pytest
 from wsn_tracking.bags.messages import UNKNOWN, truth_of
 from wsn_tracking.bags.read import read
 from wsn_tracking.bags.save import save
-from wsn_tracking.cli import main
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.models.anchors import make_anchors
 from wsn_tracking.models.body import LOS, NLOS, SINGLE, mean_rssi
@@ -222,15 +221,13 @@ def test_a_body_that_is_spoilt_is_refused_with_its_place(tmp_path, old, new, wor
         load_channel(path)
 
 
-def test_the_command_makes_a_file_that_the_tracker_takes(tmp_path, capsys):
+def test_the_command_makes_a_file_that_the_tracker_takes(call, tmp_path):
     save(tmp_path / 'bag', walked(BodyConfig(duration=100.0)))
     save_channel(tmp_path / 'radios.yaml', KNOWN)
     out = tmp_path / 'worn.yaml'
-    given = ['calibrate', str(tmp_path / 'bag'), '--body', '--channel', str(tmp_path / 'radios.yaml'), '-o', str(out)]
-    with pytest.raises(SystemExit) as ended:
-        main(given)
-    assert ended.value.code == 0
-    assert 'per decade' in capsys.readouterr().out
+    ended = call('calibrate', tmp_path / 'bag', '--body', '--channel', tmp_path / 'radios.yaml', '-o', out)
+    assert ended.code == 0
+    assert 'per decade' in ended.out
     channel = load_channel(out)
     assert channel.origin['survey'] == 'of a test'
     assert channel.origin['body_bag'] == 'bag'
@@ -260,12 +257,11 @@ def test_a_constant_loss_shifts_every_curve():
         (['--channel', 'x.yaml'], 'without --body'),
     ],
 )
-def test_options_that_make_no_sense_together_are_refused(tmp_path, capsys, arguments, words):
+def test_options_that_make_no_sense_together_are_refused(call, tmp_path, arguments, words):
     save(tmp_path / 'bag', walked(BodyConfig(duration=10.0)))
-    with pytest.raises(SystemExit) as ended:
-        main(['calibrate', str(tmp_path / 'bag'), *arguments, '-o', str(tmp_path / 'out.yaml')])
-    assert ended.value.code != 0
-    assert words in capsys.readouterr().err
+    ended = call('calibrate', tmp_path / 'bag', *arguments, '-o', tmp_path / 'out.yaml')
+    assert ended.code != 0
+    assert words in ended.err
     assert not (tmp_path / 'out.yaml').exists()
 
 

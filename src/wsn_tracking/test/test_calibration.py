@@ -43,13 +43,12 @@ def test_a_tenth_of_outliers_moves_little():
     spoiled = y.copy()
     spoiled[:20] -= 40.0
     robust = fit_path_loss(d, spoiled)
-    slope, intercept = np.polyfit(10.0 * np.log10(d), spoiled, 1)
+    _, intercept = np.polyfit(10.0 * np.log10(d), spoiled, 1)
     error = abs(robust.p1_dbm - clean.p1_dbm)
     assert error < 1.0
     assert error < 0.4 * abs(intercept - clean.p1_dbm)
     assert abs(robust.n - clean.n) < 0.15
     assert robust.sigma_db < 2.0 * clean.sigma_db
-    assert np.isfinite(slope)
 
 
 def test_the_noise_does_not_make_up_an_exponent():

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from wsn_tracking.bags.read import read
-from wsn_tracking.cli import main
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.sensing.values import EpochEnd, Rssi
 from wsn_tracking.simulation import e_loss as world
@@ -110,10 +109,8 @@ def test_bursts_that_cannot_be_are_refused_at_once():
         scenario('e_loss', {'loss': 0.9, 'burst': 2.0})
 
 
-def test_the_command_line_takes_the_loss(tmp_path, capsys):
-    with pytest.raises(SystemExit) as ended:
-        main(['simulate', 'e_loss', '--seed', '1', '--set', 'loss=0.5', '-o', str(tmp_path / 'bag')])
-    assert ended.value.code == 0
+def test_the_command_line_takes_the_loss(call, tmp_path):
+    assert call('simulate', 'e_loss', '--seed', 1, '--set', 'loss=0.5', '-o', tmp_path / 'bag').code == 0
     recording = read(tmp_path / 'bag')
     heard = sum(isinstance(m, Rssi) for m in recording.messages)
     assert heard == pytest.approx(800, abs=80)  # four standard deviations

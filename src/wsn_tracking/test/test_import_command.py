@@ -10,7 +10,6 @@ from wsn_tracking import graphs
 from wsn_tracking.bags.importing import KINDS
 from wsn_tracking.bags.importing.run import ONE, import_set
 from wsn_tracking.bags.read import read
-from wsn_tracking.cli import main
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.models.anchors import make_anchors
 from wsn_tracking.sensing.channel import Channel, Quantity, Ranging, save_channel
@@ -31,17 +30,12 @@ def labyrinth(root):
     return folder(root, {'Indoor_UWB_Input.txt': told, 'Indoor_UWB_GT.txt': truth})
 
 
-def run(*arguments) -> int:
-    with pytest.raises(SystemExit) as end:
-        main([str(argument) for argument in arguments])
-    return end.value.code
-
-
-def test_import_then_evaluate(tmp_path, capsys):
-    assert run('import', 'labyrinth', labyrinth(tmp_path / 'src'), '-o', tmp_path / 'bag') == 0
-    assert capsys.readouterr().out == f'{tmp_path / "bag"}\n'
-    assert run('evaluate', tmp_path / 'bag', '--json', tmp_path / 'scores.json') == 0
-    assert 'fused_3' in capsys.readouterr().out
+def test_what_is_imported_can_be_evaluated(call, tmp_path):
+    made = call('import', 'labyrinth', labyrinth(tmp_path / 'src'), '-o', tmp_path / 'bag')
+    assert (made.code, made.out) == (0, f'{tmp_path / "bag"}\n')
+    scored = call('evaluate', tmp_path / 'bag', '--json', tmp_path / 'scores.json')
+    assert scored.code == 0
+    assert 'fused_3' in scored.out
 
 
 def test_every_kind_has_an_importer_and_a_configuration_that_tracks():
@@ -65,16 +59,17 @@ def test_every_kind_has_an_importer_and_a_configuration_that_tracks():
         (['plaza', '.'], '-o'),
     ],
 )
-def test_a_wrong_call_says_what_was_expected(capsys, arguments, said):
-    assert run('import', *arguments) == 2
-    assert said in capsys.readouterr().err
+def test_a_wrong_call_says_what_was_expected(call, arguments, said):
+    ended = call('import', *arguments)
+    assert ended.code == 2
+    assert said in ended.err
 
 
-def test_an_error_is_one_line(tmp_path, capsys):
-    assert run('import', 'labyrinth', tmp_path, '--rate', '5', '-o', tmp_path / 'bag') == 1
-    error = capsys.readouterr().err
-    assert error.count('\n') == 1
-    assert 'a rate is for lias alone' in error
+def test_an_error_is_one_line(call, tmp_path):
+    ended = call('import', 'labyrinth', tmp_path, '--rate', 5, '-o', tmp_path / 'bag')
+    assert ended.code == 1
+    assert ended.err.count('\n') == 1
+    assert 'a rate is for lias alone' in ended.err
     with pytest.raises(TrackingError, match="there is no set 'nothing': expected one of danis"):
         import_set('nothing', tmp_path, tmp_path / 'bag')
 

@@ -12,7 +12,6 @@ from oracles import properties
 from wsn_tracking.bags.read import read
 from wsn_tracking.bags.save import save
 from wsn_tracking.bags.thin import thin
-from wsn_tracking.cli import main
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.evaluation.run import epochs_of
 from wsn_tracking.models.links import Loss
@@ -149,19 +148,14 @@ def test_the_metadata_tell_what_was_done():
 # ---- the command
 
 
-def call(*arguments):
-    with pytest.raises(SystemExit) as ended:
-        main(['degrade', *map(str, arguments)])
-    return ended.value.code
-
-
-def test_the_command_writes_a_bag_that_replays(tmp_path, capsys):
+def test_the_command_writes_a_bag_that_replays(call, tmp_path):
     save(tmp_path / 'loop', LOOP)
-    code = call(tmp_path / 'loop', '--loss', '0.5', '--bursts', '4', '--round', '--seed', 7, '-o', tmp_path / 'less')
-    assert code == 0
+    words = ['--loss', 0.5, '--bursts', 4, '--round', '--seed', 7]
+    ended = call('degrade', tmp_path / 'loop', *words, '-o', tmp_path / 'less')
+    assert ended.code == 0
     back, expected = read(tmp_path / 'less'), thin(LOOP, Loss(0.5, 4.0, whole_round=True), 7)
     assert repr(back.messages) == repr(expected.messages)
-    assert f'{len(packets(expected))} of 1440 readings are left' in capsys.readouterr().out
+    assert f'{len(packets(expected))} of 1440 readings are left' in ended.out
 
 
 @pytest.mark.parametrize(
@@ -174,17 +168,19 @@ def test_the_command_writes_a_bag_that_replays(tmp_path, capsys):
         (['--loss', '0.9', '--bursts', '2'], 1, 'already independent losses last 10 epochs in a row'),
     ],
 )
-def test_a_loss_that_cannot_be_is_refused(tmp_path, capsys, arguments, code, words):
+def test_a_loss_that_cannot_be_is_refused(call, tmp_path, arguments, code, words):
     save(tmp_path / 'loop', LOOP)
-    assert call(tmp_path / 'loop', *arguments, '-o', tmp_path / 'less') == code
-    assert words in capsys.readouterr().err
+    ended = call('degrade', tmp_path / 'loop', *arguments, '-o', tmp_path / 'less')
+    assert ended.code == code
+    assert words in ended.err
     assert not (tmp_path / 'less').exists()
 
 
-def test_a_bag_is_not_overwritten(tmp_path, capsys):
+def test_a_bag_is_not_overwritten(call, tmp_path):
     save(tmp_path / 'loop', LOOP)
-    assert call(tmp_path / 'loop', '--loss', '0.5', '-o', tmp_path / 'loop') == 1
-    assert 'exists: name another folder or remove it' in capsys.readouterr().err
+    ended = call('degrade', tmp_path / 'loop', '--loss', 0.5, '-o', tmp_path / 'loop')
+    assert ended.code == 1
+    assert 'exists: name another folder or remove it' in ended.err
     assert repr(read(tmp_path / 'loop').messages) == repr(LOOP.messages)
 
 
