@@ -54,7 +54,15 @@ def test_state_is_asked_for_when_its_indication_was_lost(sink, host):
         return [c.ZdoStartupRsp(0)]
 
     sink.answers[c.ZdoStartup] = started
-    host().wait_up()
+    host(timeout=dataclasses.replace(FAST, reply=0.05, commissioning=10 * PATIENCE)).wait_up()
+
+
+def test_answer_to_starting_the_network_may_be_lost_where_its_state_is_told(sink, host):
+    sink.answers = script(state=0)
+    sink.answers[c.ZdoStartup] = [c.ZdoStateChangeInd(9)]
+    up = host()
+    up.wait_up()
+    assert (up.counted('no_answers'), up.counted('opened')) == (1, 1)
 
 
 @pytest.mark.parametrize(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from typing import NamedTuple
 
 from wsn_tracking.errors import TrackingError
@@ -111,26 +112,33 @@ def attach(dialogue: Dialogue, radio: Radio, multicast_group: int = 0) -> ZdoExt
 
 def start(dialogue: Dialogue) -> None:
     """Start the network; TrackingError if it does not come up."""
-    timeout = dialogue.timeout
     dialogue.state = None
-    status = dialogue.ask(ZdoStartup(), ZdoStartupRsp, timeout.startup).status
+    try:
+        status = dialogue.ask(ZdoStartup(), ZdoStartupRsp, dialogue.timeout.startup).status
+    except TrackingError:
+        if dialogue.state != COORDINATOR_UP:  # it may have started, and its answer been lost
+            raise
+        return
     if status == STARTUP_FAILED:
         raise TrackingError('the sink cannot start its network (status 2): form one, see docs, or reset the sink')
     await_coordinator(dialogue)
 
 
 def await_coordinator(dialogue: Dialogue) -> None:
-    """Wait until the network is up."""
-    before = dialogue.counters['resets']
-    dialogue.until(
+    """Wait until the network is up; a sink that is silent about it is asked now and then."""
+    timeout, before = dialogue.timeout, dialogue.counters['resets']
+    end = time.monotonic() + timeout.commissioning
+    state: int | None = None
+    while not dialogue.until(
         lambda: dialogue.state == COORDINATOR_UP or dialogue.counters['resets'] > before,
-        dialogue.timeout.commissioning,
-    )
-    if dialogue.state == COORDINATOR_UP:
-        return
-    if dialogue.counters['resets'] > before:
+        min(timeout.reply, max(end - time.monotonic(), 0.0)),
+    ):
+        device = device_info(dialogue)
+        state = None if device is None else device.state
+        if state == COORDINATOR_UP:
+            return
+        if time.monotonic() >= end:
+            words = 'unknown' if state is None else state
+            raise TrackingError(f'the network of the sink does not come up (state {words}, {COORDINATOR_UP} expected)')
+    if dialogue.state != COORDINATOR_UP:
         raise TrackingError('the sink restarted while its network came up')
-    device = device_info(dialogue)  # the indication may have been lost
-    if device is None or device.state != COORDINATOR_UP:
-        state = 'unknown' if device is None else device.state
-        raise TrackingError(f'the network of the sink does not come up (state {state}, {COORDINATOR_UP} expected)')
