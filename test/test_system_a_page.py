@@ -6,6 +6,7 @@ import re
 import pytest
 
 from live import ROOT
+from quotes import quoted
 
 PAGE = (ROOT / 'docs' / 'system_a.md').read_text('utf-8')
 A = json.loads((ROOT / 'docs' / 'results' / 'system_a.json').read_text())['studies']
@@ -49,12 +50,6 @@ def rows(title):
 def numbers(*cells):
     """The numbers in some cells."""
     return [float(text) for cell in cells for text in re.findall(r'(?<![\w.])[-+]?\d+(?:\.\d+)?(?!\w)', cell)]
-
-
-def quoted(*pairs):
-    """That numbers are quoted to within one unit of their last digit, as they are printed."""
-    for text, value in pairs:
-        assert float(text) == pytest.approx(value, abs=0.51 * 10.0 ** -len(text.partition('.')[2])), (text, value)
 
 
 @pytest.mark.parametrize('name', CENTRAL)
