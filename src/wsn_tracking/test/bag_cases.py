@@ -4,8 +4,14 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from wsn_tracking.bags.messages import TruthPose
+import pytest
+from mcap.writer import Writer
+
+from wsn_tracking.bags.messages import TruthPose, to_cdr, type_of
+from wsn_tracking.bags.read import read
+from wsn_tracking.bags.types import definition
 from wsn_tracking.bags.write import BagWriter
+from wsn_tracking.errors import TrackingError
 from wsn_tracking.models.anchors import Anchors, make_anchors
 from wsn_tracking.sensing.values import EpochEnd, Range, RangeBearing, Request, Rssi, TriggerReport
 
@@ -54,3 +60,30 @@ def write(
 
 def mcap_of(path: Path) -> Path:
     return next(path.glob('*.mcap'))
+
+
+def refused(path, *parts, **options):
+    """The bag is refused in one line that says all of `parts`."""
+    with pytest.raises(TrackingError) as error:
+        read(path, **options)
+    text = str(error.value)
+    assert '\n' not in text
+    for part in parts:
+        assert part in text
+
+
+def plain_mcap(path: Path, rows, topics=None, definitions=None, **options) -> Path:
+    """A bare file by the mcap library, with its options; `definitions` replaces a type's definition."""
+    with path.open('wb') as stream:
+        mcap = Writer(stream, **options)
+        mcap.start(profile='ros2', library='test')
+        channels = {}
+        for topic, value, log_ns in rows:
+            name = type_of(value)
+            if topic not in channels:
+                text = (definitions or {}).get(name, definition(name))
+                schema = mcap.register_schema((topics or {}).get(topic, name), 'ros2msg' if text else '', text.encode())
+                channels[topic] = mcap.register_channel(topic, 'cdr', schema)
+            mcap.add_message(channels[topic], log_ns, to_cdr(value, log_ns), log_ns)
+        mcap.finish()
+    return path
