@@ -150,3 +150,14 @@ def test_a_restarted_estimator_takes_part_within_5_s(tmp_path):
         observer.until(reaches(lambda e: e.request_seq >= joined + 8), TIMEOUT, 'eight more epochs of fused_1')
     assert [e.request_seq for e in fused] == list(range(fused[0].request_seq, fused[-1].request_seq + 1))
     assert all(2 in e.contributors for e in fused if e.request_seq >= joined)
+
+
+def test_nodes_of_simulated_time_wait_for_no_clock():
+    """/clock is told by the feed, which begins when all are ready: whoever waited for it would wait for ever."""
+    simulated = {'use_sim_time': True}
+    graph = [
+        Process('sensing_node', 'sensing', simulated),
+        Process('world_node', 'world', {**simulated, 'rate': 0.0, 'expected_nodes': ['sensing'], 'ready_timeout': TIMEOUT}),
+    ]
+    with live.private_domain() as environment, live.started(graph, environment) as running:
+        assert 'sent 120 epochs' in live.wait_all(running, ['world'], 2.0 * TIMEOUT)['world']

@@ -73,9 +73,12 @@ def process(executable_, name=None, **parameters):
 def test_a_process_gets_what_its_executable_declares(tmp_path):
     one = process(
         'sensing_node', 'sensing_3', ids=(3,), seed=7, lossless=True, peers=[1, 2], expected_publishers=['rssi=1'],
-        nonsense=1, **{'trigger.kind': 'near', 'trigger.y_min': -46.9, 'noise.q_max': 3.0},
+        nonsense=1, use_sim_time=True,
+        **{'trigger.kind': 'near', 'trigger.y_min': -46.9, 'noise.q_max': 3.0},
+        **{'qos_overrides./range.publisher.depth': 9},
     )  # fmt: skip
     known = {
+        'use_sim_time': True, 'qos_overrides./range.publisher.depth': 9,
         'ids': (3,), 'seed': 7, 'lossless': True, 'trigger.kind': 'near', 'trigger.y_min': -46.9,
         'expected_publishers': ['rssi=1'],
     }  # fmt: skip

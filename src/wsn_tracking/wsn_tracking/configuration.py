@@ -121,10 +121,15 @@ def _known() -> frozenset[str]:
     return frozenset(spec.name for kind in (*EXECUTABLES.values(), NodeConfig) for spec in specs(kind))
 
 
+def is_of_ros(name: str) -> bool:
+    """Whether a parameter is one that ROS 2 gives to every node."""
+    return name == 'use_sim_time' or name.startswith('qos_overrides.')
+
+
 def check_known(name: str, where: str) -> None:
     """Raise TrackingError, with the nearest name, for a parameter that no executable has."""
     known = _known()
-    if name in known or name == 'use_sim_time' or name.startswith('qos_overrides.'):
+    if name in known or is_of_ros(name):
         return
     near = difflib.get_close_matches(name, sorted(known), 1)
     hint = f'did you mean `{near[0]}`?' if near else 'docs/parameters.md lists all'

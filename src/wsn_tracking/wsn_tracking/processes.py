@@ -17,6 +17,7 @@ from typing import Any
 
 import yaml
 
+from wsn_tracking.configuration import is_of_ros
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.graphs import Process
 from wsn_tracking.node_parameters.common import NodeConfig
@@ -52,7 +53,7 @@ def executable(name: str) -> Path:
 def declared(process: Process) -> Values:
     """The parameters that the executable knows, of all that a configuration gives."""
     known = {spec.name for kind in (EXECUTABLES[process.executable], NodeConfig) for spec in specs(kind)}
-    return {k: v for k, v in process.parameters.items() if k in known}
+    return {k: v for k, v in process.parameters.items() if k in known or is_of_ros(k)}
 
 
 def write_parameters(process: Process, folder: Path) -> Path:

@@ -11,11 +11,15 @@ from typing import Any, Generic, TypeVar
 
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from rclpy.callback_groups import CallbackGroup
+from rclpy.clock import Clock
+from rclpy.clock_type import ClockType
 from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile
 from rclpy.subscription import Subscription
+from rclpy.timer import Timer
 from std_msgs.msg import String
 from wsn_tracking_msgs import msg
 
@@ -45,6 +49,7 @@ class TrackingNode(Node, Generic[Config]):
 
     def __init__(self, name: str, kind: type[Config]) -> None:
         super().__init__(name)
+        self._steady = Clock(clock_type=ClockType.STEADY_TIME)
         self.config: Config = declare(self, kind)
         self._common: NodeConfig = declare(self, NodeConfig)
         warn_of_strangers(self)
@@ -64,6 +69,17 @@ class TrackingNode(Node, Generic[Config]):
         self._ready_timer = self.create_timer(0.05, self._check_ready)
 
     # ---- for subclasses
+
+    def create_timer(
+        self,
+        timer_period_sec: float,
+        callback: Callable[[], None],
+        callback_group: CallbackGroup | None = None,
+        clock: Clock | None = None,
+        autostart: bool = True,
+    ) -> Timer:
+        """Of steady time, also where `use_sim_time` is set: simulated time stands still until the feed begins."""
+        return super().create_timer(timer_period_sec, callback, callback_group, clock or self._steady, autostart)
 
     def take(
         self,
