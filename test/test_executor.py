@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import contextlib
 import threading
+import time
 
 import pytest
 import rclpy
 from rcl_interfaces.srv import GetParameters
 from rclpy.context import Context
+from rclpy.duration import Duration
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from std_msgs.msg import Int64
 
@@ -122,6 +124,41 @@ def test_an_endpoint_that_is_added_or_removed_in_a_callback_counts(pair, make):
     with pytest.raises(Done):
         make(node).spin()
     assert timer not in list(node.timers)
+
+
+@EXECUTORS
+def test_who_is_destroyed_in_the_callback_of_another_is_not_called(pair, make):
+    """Messages wait on both topics, and timers are due, when the first callback takes all others away."""
+    node, talker = pair
+    called, made = [], []
+
+    def end(message):
+        called.append(message.data)
+        for subscription in made[1:]:
+            node.destroy_subscription(subscription)
+        node.create_timer(0.05, done)
+
+    def tick():
+        called.append('tick')
+        for timer in timers:
+            node.destroy_timer(timer)
+
+    def done():
+        raise Done
+
+    outputs = [talker.create_publisher(Int64, topic, qos.MEASUREMENTS) for topic in 'ab']
+    made += [node.create_subscription(Int64, topic, end, qos.MEASUREMENTS) for topic in 'ab']
+    end_of_patience = time.monotonic() + TIMEOUT
+    while not all(output.get_subscription_count() for output in outputs):
+        assert time.monotonic() < end_of_patience
+    for output in outputs:
+        output.publish(Int64(data=1))
+        assert output.wait_for_all_acked(Duration(seconds=TIMEOUT))
+    timers = [node.create_timer(0.0, tick) for _ in range(2)]
+    guarded(node)
+    with pytest.raises(Done):
+        make(node).spin()
+    assert called == ['tick', 1]
 
 
 @EXECUTORS

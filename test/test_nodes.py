@@ -157,7 +157,9 @@ def test_nodes_of_simulated_time_wait_for_no_clock():
     simulated = {'use_sim_time': True}
     graph = [
         Process('sensing_node', 'sensing', simulated),
-        Process('world_node', 'world', {**simulated, 'rate': 0.0, 'expected_nodes': ['sensing'], 'ready_timeout': TIMEOUT}),
+        Process(
+            'world_node', 'world', {**simulated, 'rate': 0.0, 'expected_nodes': ['sensing'], 'ready_timeout': TIMEOUT}
+        ),
     ]
     with live.private_domain() as environment, live.started(graph, environment) as running:
         assert 'sent 120 epochs' in live.wait_all(running, ['world'], 2.0 * TIMEOUT)['world']

@@ -76,22 +76,33 @@ class DrainingExecutor(SingleThreadedExecutor):
 
     def _run_timers(self) -> None:
         for timer in list(self._spun.timers):
-            with timer.handle:
-                due = timer.handle.is_timer_ready()
-                if due:
-                    timer.handle.call_timer()
-            if due:
+            if _is_due(timer):
                 timer.callback()
+
+
+def _is_due(timer: Any) -> bool:
+    """Whether a timer is to be called now; if so, its next period begins."""
+    try:
+        with timer.handle:
+            due: bool = timer.handle.is_timer_ready()
+            if due:
+                timer.handle.call_timer()
+    except _rclpy.InvalidHandle:  # the callback of another has destroyed it
+        return False
+    return due
 
 
 def _drain(subscription: Any) -> None:
     """Run the callback for what has arrived."""
-    with subscription.handle:
-        for _ in range(DRAIN):
-            taken = subscription.handle.take_message(subscription.msg_type, subscription.raw)
-            if taken is None:
-                return
-            subscription.callback(taken[0])
+    for _ in range(DRAIN):
+        try:
+            with subscription.handle:
+                taken = subscription.handle.take_message(subscription.msg_type, subscription.raw)
+        except _rclpy.InvalidHandle:  # a callback has destroyed it
+            return
+        if taken is None:
+            return
+        subscription.callback(taken[0])
 
 
 def make_executor(node: Node) -> SingleThreadedExecutor:
