@@ -1,13 +1,8 @@
-"""Those who only look on: marker_node and `watch` beside a replay, and the files that viewers load."""
+"""Those who only look on: marker_node and `watch` beside one replay, and what the viewers' files name of it."""
 
 from __future__ import annotations
 
-import contextlib
-import io
-import os
 import signal
-import subprocess
-import sys
 from types import SimpleNamespace
 
 import numpy as np
@@ -19,15 +14,12 @@ from wsn_tracking_msgs.msg import TargetEstimate, TriggerReport
 import live
 import viewers
 from observer import observing
+from watching import File, watching
 from wsn_tracking import graphs
 from wsn_tracking.bags.read import read
 from wsn_tracking.evaluation.ellipses import CHI2_95
 from wsn_tracking.evaluation.node_states import LOOKS, SENT, rgb
-from wsn_tracking.evaluation.plot_style import COLOURS
-from wsn_tracking.evaluation.scene import Scene
-from wsn_tracking.nodes import convert, markers, qos
-from wsn_tracking.nodes.paths import places_of
-from wsn_tracking.trackers.estimate import Estimate, Kind
+from wsn_tracking.nodes import convert, qos
 
 TIMEOUT = 30.0  # [s]
 RATE = 25.0
@@ -36,39 +28,11 @@ RVIZ = viewers.RVIZ / 'random_q.rviz'
 FOXGLOVE = viewers.FOXGLOVE / 'wsn_tracking.json'
 
 
-class File:
-    """A PNG that somebody rewrites: every version that was seen, each of them whole."""
-
-    def __init__(self, path):
-        self.path = path
-        self.versions = {}
-
-    def look(self):
-        if self.path.exists():
-            content = self.path.read_bytes()
-            assert content.startswith(b'\x89PNG')
-            assert content.endswith(b'IEND\xaeB`\x82')
-            self.versions.setdefault(content, None)
-        return list(self.versions)
-
-    def shows_all(self):
-        """Whether any version shows a track, the truth and nodes that did something in one and the same epoch."""
-        for content in self.look():
-            if self.versions[content] is None:
-                self.versions[content] = (
-                    coloured(content, COLOURS[0]) > 60
-                    and coloured(content, '#222222') > 60
-                    and sum(coloured(content, one.color) for one in LOOKS.values()) > 200
-                )
-        return any(self.versions.values())
-
-
 @pytest.fixture(scope='module')
 def seen(tmp_path_factory):
     """One replay with markers, watched."""
     png = File(tmp_path_factory.mktemp('watch') / 'live.png')
     graph = graphs.replay(str(live.A_LOOP), rate=RATE, settings={'track_length': TRACK}, markers=True)
-    topics = {}
     with (
         live.private_domain() as environment,
         observing(environment) as observer,
@@ -86,9 +50,7 @@ def seen(tmp_path_factory):
                 TIMEOUT,
                 'a full track in markers, and a map that shows everything',
             )
-            for name, kinds in observer.node.get_topic_names_and_types():
-                offered = observer.node.get_publishers_info_by_topic(name)
-                topics[name] = SimpleNamespace(kinds=kinds, offers=[one.qos_profile for one in offered])
+            topics = viewers.offered(observer.node)
         late = observer.collect(MarkerArray, 'anchor_markers', qos.LATCHED_LAST)
         paths = {
             name: observer.collect(Path, f'path/{name}', qos.LATCHED_LAST) for name in ('fused_1', 'truth_target_1')
@@ -110,23 +72,6 @@ def seen(tmp_path_factory):
         codes={name: process.returncode for name, process in onlookers.items()},
         outputs=outputs,
     )
-
-
-@contextlib.contextmanager
-def watching(environment, *arguments):
-    """`wsn-tracking watch`, killed at the end if it still runs."""
-    process = subprocess.Popen(
-        [sys.executable, '-m', 'wsn_tracking.cli', 'watch', *arguments],
-        env=environment,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        text=True,
-    )
-    try:
-        yield process
-    finally:
-        process.kill()
-        process.communicate()
 
 
 def shows_full_track(arrays):
@@ -158,12 +103,6 @@ def planar(points):
 # ---- marker_node
 
 
-def test_markers_change_nothing_in_the_rest_of_the_graph():
-    plain, drawn = (graphs.replay(str(live.A_LOOP), markers=asked) for asked in (False, True))
-    assert [p for p in drawn if p.name != 'markers'] == list(plain)
-    assert [p.executable for p in drawn if p.name == 'markers'] == ['marker_node']
-
-
 def test_anchors_are_latched_with_their_ids(seen):
     table = read(live.A_LOOP).anchors
     assert seen.anchors.markers[0].action == Marker.DELETEALL
@@ -172,16 +111,6 @@ def test_anchors_are_latched_with_their_ids(seen):
     texts = [m for m in seen.anchors.markers if m.ns == 'anchors/id']
     assert [m.text for m in texts] == [str(node) for node in table.ids]
     assert len({m.id for m in texts}) == len(texts)
-
-
-def test_frames_of_the_nodes_are_where_the_nodes_are():
-    table = read(live.A_LOOP).anchors
-    frames = markers.node_frames(table, 7)
-    assert {frame.header.frame_id for frame in frames} == {convert.FRAME}
-    assert [frame.child_frame_id for frame in frames] == [f'node_{node}' for node in table.ids]
-    places = [frame.transform.translation for frame in frames]
-    np.testing.assert_array_equal([(p.x, p.y, p.z) for p in places], table.positions)
-    assert all(frame.transform.rotation.w == 1.0 for frame in frames)
 
 
 def test_ellipse_of_an_estimate_is_its_95_percent_region(seen):
@@ -215,24 +144,6 @@ def test_a_path_is_the_track_with_stamps(seen):
     assert len(truth.poses) >= 2
 
 
-def test_every_target_has_a_path_of_where_it_was_found():
-    """A target that is still looked for has none, nor has the part before it was found."""
-    scene = Scene(10)
-    for target in (1, 2, 3):
-        for k in range(4):
-            kind = Kind.START if k < target else Kind.LOCAL
-            mean = np.array([target, k, 0.0, 0.0])
-            scene.add_estimate(f'hybrid_target_{target}', Estimate(k, target, k, 'x', mean, np.eye(4), kind=kind))
-    scene.add_truth(7, 5, np.array([1.0, 2.0]))
-    told = {topic: list(places) for topic, places in places_of(scene)}
-    assert told == {
-        'path/hybrid_target_1': [(k, 1.0, float(k)) for k in (1, 2, 3)],
-        'path/hybrid_target_2': [(k, 2.0, float(k)) for k in (2, 3)],
-        'path/hybrid_target_3': [(3, 3.0, 3.0)],
-        'path/truth_target_7': [(5, 1.0, 2.0)],
-    }
-
-
 def test_nodes_are_coloured_by_what_they_did_in_the_epoch(seen):
     named, _, report = settled(seen)
     states = dict.fromkeys(report.sent_ids, SENT) | dict(zip(report.silent_ids, report.reasons, strict=True))
@@ -264,14 +175,6 @@ def test_onlookers_end_with_0_and_without_a_word_of_error(seen):
 # ---- watch --png
 
 
-def coloured(content, color):
-    """Pixels of exactly that colour."""
-    from matplotlib.image import imread
-
-    pixels = np.round(imread(io.BytesIO(content))[..., :3] * 255)
-    return int(np.sum(np.all(pixels == np.round(np.array(rgb(color)) * 255), axis=-1)))
-
-
 def test_a_map_shows_track_truth_and_nodes(seen):
     assert seen.png.shows_all()
 
@@ -281,56 +184,7 @@ def test_the_map_is_rewritten_while_the_graph_runs(seen):
     assert [path.name for path in seen.png.path.parent.iterdir()] == ['live.png']
 
 
-def without_display(environment):
-    return {k: v for k, v in environment.items() if k not in {'DISPLAY', 'WAYLAND_DISPLAY', 'MPLBACKEND'}}
-
-
-def test_without_a_display_watch_says_so_in_one_line():
-    """Where matplotlib finds no toolkit by itself, and where it is told to use one that cannot open a window."""
-    plain = without_display(os.environ)
-    with watching(plain) as one, watching({**plain, 'MPLBACKEND': 'tkagg'}) as other:
-        for process in (one, other):
-            output, _ = process.communicate(timeout=TIMEOUT)
-            assert process.returncode == 1
-            (line,) = output.strip().splitlines()
-            assert line.startswith('wsn-tracking watch: error: no window can be opened')
-            assert '--png FILE' in line
-
-
-def test_a_window_is_drawn_again_and_again_until_it_is_closed():
-    """There is no graph, so no data: that is no error."""
-    with live.private_domain() as environment:
-        extra = {
-            'MPLBACKEND': 'module://fake_window',
-            'CLOSE_AFTER': '6',
-            'PYTHONPATH': os.pathsep.join([str(live.ROOT / 'test'), environment.get('PYTHONPATH', '')]),
-        }
-        with watching({**without_display(environment), **extra}, '--every', '0.1') as process:
-            output, _ = process.communicate(timeout=TIMEOUT)
-    assert process.returncode == 0, output
-    words = output.split()
-    assert words[0] == 'opened'
-    assert words.count('drawn') >= 2
-
-
 # ---- RViz and Foxglove
-
-
-def test_rviz_file_has_the_parts_that_rviz_reads():
-    content, displays = viewers.rviz_displays(RVIZ)
-    manager = content['Visualization Manager']
-    assert manager['Global Options']['Fixed Frame'] == convert.FRAME
-    assert {d['Topic']['Value'] for d in displays} == {
-        'anchor_markers',
-        'markers',
-        'odometry/fused_1',
-        'truth/target_1',
-    }
-    named = [*content['Panels'], *manager['Displays'], *manager['Tools'], manager['Views']['Current']]
-    for entry in named:
-        assert entry['Class'].partition('/')[0] in {'rviz_common', 'rviz_default_plugins'}
-    for display in manager['Displays']:
-        assert display['Enabled'] is display['Value'] is True
 
 
 def test_rviz_topics_are_offered_with_their_type_and_a_quality_that_suits(seen):
@@ -341,20 +195,6 @@ def test_viewers_name_the_namespaces_that_are_published(seen):
     moving = {marker.ns for array in seen.arrays for marker in array.markers}
     fixed = {marker.ns for marker in seen.anchors.markers if marker.ns}
     viewers.check_namespaces(RVIZ, FOXGLOVE, fixed, moving)
-
-
-@pytest.mark.parametrize('name', ['wsn_tracking.json', 'consensus.json'])
-def test_foxglove_layout_places_every_panel_once(name):
-    layout = viewers.layout(viewers.FOXGLOVE / name)
-    assert sorted(viewers.placed(layout, layout['layout'])) == sorted(layout['configById'])
-    assert {name.partition('!')[0] for name in layout['configById']} == {
-        '3D',
-        'DiagnosticStatusPanel',
-        'DiagnosticSummary',
-        'Plot',
-        'RawMessages',
-        'Tab',
-    }
 
 
 def test_foxglove_paths_lead_through_messages_of_the_graph(seen):

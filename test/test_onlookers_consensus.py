@@ -144,7 +144,6 @@ def seen():
     told = [f'nodes={len(NODES)}', 'width=150.0', 'depth=180.0', 'epochs=600', 'faults=clutter']
     cut = {'link.cut_at': 75.0, 'link.cut_from': 5, 'link.cut_until': 100000, 'output_timeout': TIMEOUT}
     graph = graphs.simulation('b_field', 3, rate=10.0, scenario_settings=told, settings=cut, markers=True)
-    topics = {}
     with live.private_domain() as environment, observing(environment) as observer, live.started(graph, environment):
         arrays = observer.collect(MarkerArray, 'markers', qos.DISPLAY)
         reports = observer.collect(msg.ConsensusReport, 'consensus_report', qos.MEASUREMENTS)
@@ -156,9 +155,7 @@ def seen():
         )
         # reports are for whoever listens: of each process from when it is matched with this listener
         observer.until(lambda: {i for m in reports for i in m.node_ids} >= NODES, TIMEOUT, 'reports of every process')
-        for name, kinds in observer.node.get_topic_names_and_types():
-            offered = observer.node.get_publishers_info_by_topic(name)
-            topics[name] = SimpleNamespace(kinds=kinds, offers=[one.qos_profile for one in offered])
+        topics = viewers.offered(observer.node)
     return SimpleNamespace(arrays=arrays, reports=reports, anchors=fixed[-1], topics=topics)
 
 

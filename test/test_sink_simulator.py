@@ -1,17 +1,14 @@
-"""A simulated sink on a real pseudo terminal: its port, the faults that need one, the node, and the command line."""
+"""The simulated sink as a node and as a command."""
 
 from __future__ import annotations
 
 import argparse
-import contextlib
-import os
 import signal
 import subprocess
 import sys
 
 import pytest
 from nav_msgs.msg import Odometry
-from sink_cases import epochs, expected
 from std_msgs.msg import String
 from wsn_tracking_msgs import msg
 
@@ -22,136 +19,8 @@ from wsn_tracking.commands import sink_simulate
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.nodes import convert, qos
 from wsn_tracking.processes import executable
-from wsn_tracking.zstack import commands as c
-from wsn_tracking.zstack.port import open_port
-from wsn_tracking.zstack.pty_port import PtyPort
-from wsn_tracking.zstack.settings import FormConfig
 
-WORLD = epochs(12, nodes=6)
-RATE = 60.0
 MARGIN_NS = 200_000_000  # what a busy machine may hold up every message of a run
-
-
-@pytest.fixture
-def sink(radio):
-    """Starts sinks that tell of this world."""
-    return lambda world=WORLD, **config: radio(world, **{'rate': RATE, **config})
-
-
-# ---- the port
-
-
-def test_link_stays_while_the_device_changes(link):
-    port = PtyPort(link)
-    port.plug()
-    port.plug()
-    first = port.device
-    assert os.path.realpath(link) == first
-    port.unplug(reserve=True)
-    assert not link.is_symlink()
-    port.plug()
-    assert port.device != first
-    assert os.path.realpath(link) == port.device
-    port.unplug()
-    assert not link.is_symlink()
-
-
-def test_link_of_a_run_that_was_killed_is_replaced(link):
-    link.symlink_to('/dev/pts/no_such')
-    port = PtyPort(link)
-    port.plug()
-    assert os.path.realpath(link) == port.device
-    port.unplug()
-
-
-def test_link_that_another_sink_has_taken_over_is_left(link):
-    one, other = PtyPort(link), PtyPort(link)
-    one.plug()
-    other.plug()
-    one.unplug()
-    assert os.path.realpath(link) == other.device
-    other.unplug()
-
-
-def test_files_are_not_replaced(link):
-    link.write_text('precious')
-    with pytest.raises(TrackingError, match='no symbolic link'):
-        PtyPort(link).plug()
-    assert link.read_text() == 'precious'
-    with pytest.raises(TrackingError, match='cannot be linked'):
-        PtyPort(link.parent / 'no' / 'sink').plug()
-
-
-def test_bytes_pass_unchanged_both_ways(link):
-    port = PtyPort(link)
-    port.plug()
-    every = bytes(range(256))
-    with contextlib.closing(open_port(str(link), 115200, 1.0)) as near:
-        near.write(every)
-        port.wait(PATIENCE)
-        assert port.read() == every
-        assert port.write(every) == 256
-        read = b''
-        while len(read) < 256:
-            read += near.read()
-        assert read == every
-    assert port.read() == b''
-    port.unplug()
-
-
-def test_line_that_nobody_reads_takes_no_more_and_is_no_error(link):
-    port = PtyPort(link)
-    port.plug()
-    while port.write(bytes(1000)):
-        pass
-    port.unplug()
-
-
-# ---- sinks on it (what can go wrong: test_sink_line.py)
-
-
-@pytest.mark.parametrize('flavour', ['home_1_2', 'zstack_3_0'])
-def test_host_attaches_writes_nothing_and_gets_everything(sink, host, flavour):
-    radio = sink(flavour=flavour)
-    before = radio.simulator.device.chip.memory.content
-    heard = host().through(radio)
-    assert heard.measured == expected(WORLD)
-    counters = heard.session.counters
-    assert (counters['attached'], counters['lost'], counters['rpc_errors']) == (1, 0, 0)
-    assert heard.session.status.sink.version.product == {'home_1_2': 0, 'zstack_3_0': 2}[flavour]
-    assert radio.simulator.device.chip.memory.content == before
-
-
-@pytest.mark.parametrize('flavour', ['home_1_2', 'zstack_3_0'])
-def test_host_forms_a_network(sink, host, flavour):
-    radio = sink(flavour=flavour, formed=False)
-    confirm = f'{radio.simulator.device.chip.memory.ieee:016x}'
-    heard = host(form=FormConfig(confirm, 20, 0x1234)).through(radio)
-    assert heard.measured == expected(WORLD)
-    network = heard.session.status.network
-    assert (network.channel, network.pan_id) == (20, 0x1234)
-
-
-def test_nothing_is_said_before_it_may_begin(sink, host):
-    radio = sink()
-    heard = host()
-    until(lambda: heard.events('up') and radio.simulator.counters['requests'] > 8, 'pings')
-    assert heard.measured == []
-    assert radio.simulator.sent == []
-    assert heard.through(radio).measured == expected(WORLD)
-
-
-def test_host_can_speak_to_the_nodes(sink, host):
-    radio = sink(world=[])
-    heard = host()
-    heard.until_up()
-    radio.may_begin.set()
-    until(lambda: radio.loop.begun is not None, 'the beginning')
-    heard.session.ask(c.ZdoMgmtLqiReq(0, 0), c.ZdoMgmtLqiReqRsp)
-    until(lambda: heard.take() or any(isinstance(i, c.ZdoMgmtLqiRsp) for i, _ in heard.received), 'its neighbours')
-
-
-# ---- the node and the command
 
 
 def started(environment, link, *settings):

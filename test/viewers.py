@@ -7,6 +7,7 @@ import json
 import re
 from collections.abc import Iterator, Mapping
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import yaml
@@ -26,6 +27,14 @@ def rviz_displays(path: Path) -> tuple[Any, list[Any]]:
     """The whole file, and its displays of topics."""
     content = yaml.safe_load(path.read_text('utf-8'))
     return content, [d for d in content['Visualization Manager']['Displays'] if 'Topic' in d]
+
+
+def offered(node: Any) -> dict[str, SimpleNamespace]:
+    """Kinds of messages and qualities of service of every topic that a node sees."""
+    return {
+        name: SimpleNamespace(kinds=kinds, offers=[one.qos_profile for one in node.get_publishers_info_by_topic(name)])
+        for name, kinds in node.get_topic_names_and_types()
+    }
 
 
 def check_rviz_topics(path: Path, topics: Mapping[str, Any]) -> None:
