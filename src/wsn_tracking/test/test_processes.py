@@ -172,26 +172,77 @@ def ctrl_c():
     signal.signal(signal.SIGINT, before)
 
 
+def send_when(path, *numbers):
+    """A thread that sends these signals to this program once a process has written a file."""
+
+    def send():
+        deadline = time.monotonic() + 10.0
+        while not (path.exists() and path.read_text()) and time.monotonic() < deadline:
+            time.sleep(0.002)
+        for number in numbers:
+            os.kill(os.getpid(), number)
+
+    sender = threading.Thread(target=send)
+    sender.start()
+    return sender
+
+
 @pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_a_signal_ends_all_of_it(installed, ctrl_c, number):
     """What a user, `timeout`, make or a closed terminal sends."""
     installed('estimator_node', STAY)
-    noted = installed.folder / 'estimator_node.pid'
-
-    def send_when_started():
-        deadline = time.monotonic() + 10.0
-        while not (noted.exists() and noted.read_text()) and time.monotonic() < deadline:
-            time.sleep(0.002)
-        os.kill(os.getpid(), number)
-
     before = signal.getsignal(number)
-    sender = threading.Thread(target=send_when_started)
-    sender.start()
+    sender = send_when(installed.folder / 'estimator_node.pid', number)
     with pytest.raises(KeyboardInterrupt):
         run_graph([process('estimator_node')], ['estimator_node'])
     sender.join()
     assert not alive(installed, 'estimator_node')
     assert signal.getsignal(number) is before
+
+
+def test_a_second_request_leaves_nobody_behind_and_lets_all_end_in_order(installed, ctrl_c):
+    """A recorder that is closing its bag when Ctrl-C is pressed again, and the terminal closed."""
+    closing, going, closed = (installed.folder / name for name in ('closing', 'going', 'closed'))
+    close = until(f'os.path.exists({str(going)!r})')
+    installed(
+        'bag_recorder_node',
+        f"""
+import signal
+def end(*_):
+    open({str(closing)!r}, 'w').write('begun')
+    exec({close!r})
+    open({str(closed)!r}, 'w')
+    raise SystemExit
+signal.signal(signal.SIGINT, end)
+open({str(installed.folder / 'listens')!r}, 'w').write('now')
+signal.pause()
+""",
+    )
+    asked = send_when(installed.folder / 'listens', signal.SIGINT)
+    again = send_when(closing, signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+    let = threading.Thread(target=lambda: (again.join(), going.touch()))
+    let.start()
+    with pytest.raises(KeyboardInterrupt):
+        run_graph([process('bag_recorder_node')], ['bag_recorder_node'])
+    for thread in (asked, let):
+        thread.join()
+    assert closed.exists()
+    assert not alive(installed, 'bag_recorder_node')
+
+
+def test_what_the_caller_ignores_stays_ignored(installed):
+    """`nohup wsn-tracking replay ... &`, and the terminal is closed."""
+    before = signal.signal(signal.SIGHUP, signal.SIG_IGN)
+    try:
+        installed('evaluator_node', until(f'os.path.exists({str(installed.folder / "sent")!r})'))
+        sender = send_when(installed.folder / 'evaluator_node.pid', signal.SIGHUP)
+        then = threading.Thread(target=lambda: (sender.join(), (installed.folder / 'sent').touch()))
+        then.start()
+        assert run_graph([process('evaluator_node')], ['evaluator_node']) == 0
+        then.join()
+        assert signal.getsignal(signal.SIGHUP) is signal.SIG_IGN
+    finally:
+        signal.signal(signal.SIGHUP, before)
 
 
 def test_it_runs_in_a_thread_too(installed):

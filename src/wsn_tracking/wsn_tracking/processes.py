@@ -10,7 +10,7 @@ import sys
 import tempfile
 import threading
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
@@ -71,13 +71,17 @@ def run_graph(processes: Sequence[Process], last: Sequence[str]) -> int:
     A process that ends on its own with an error is named; the graph goes on without it.
     """
     running: dict[str, subprocess.Popen[bytes]] = {}
-    with tempfile.TemporaryDirectory(prefix='wsn_tracking_') as folder, _ended_as_by_ctrl_c():
+    with _requests_to_end() as asked, tempfile.TemporaryDirectory(prefix='wsn_tracking_') as folder:
         try:
             for process in processes:
-                running[process.name] = _start(process, Path(folder))
-            return _wait(running, last)
+                if not asked:
+                    running[process.name] = _start(process, Path(folder))
+            code = _wait(running, last, asked)
         finally:
             _end(running)
+    if asked:
+        raise KeyboardInterrupt
+    return code
 
 
 @contextmanager
@@ -111,18 +115,24 @@ def cpu_seconds(pid: int) -> float:
 
 
 @contextmanager
-def _ended_as_by_ctrl_c() -> Iterator[None]:
-    """A program that is told to end must not leave its processes behind."""
+def _requests_to_end() -> Iterator[Sequence[int]]:
+    """The signals that came meanwhile; none breaks into the start or the end of a process, and leaves it behind.
+
+    What the caller ignores stays ignored, as under nohup.
+    """
+    asked: list[int] = []
     if threading.current_thread() is not threading.main_thread():  # signals are the main thread's alone
-        yield
+        yield asked
         return
-    told = (signal.SIGTERM, signal.SIGHUP)
-    before = [signal.signal(number, signal.default_int_handler) for number in told]
+    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)}
+    heard = [number for number, handler in before.items() if handler not in {signal.SIG_IGN, None}]
+    for number in heard:
+        signal.signal(number, lambda number, _: asked.append(number))
     try:
-        yield
+        yield asked
     finally:
-        for number, handler in zip(told, before, strict=True):
-            signal.signal(number, handler)
+        for number in heard:
+            signal.signal(number, before[number])
 
 
 def _start(process: Process, folder: Path) -> subprocess.Popen[bytes]:
@@ -134,10 +144,10 @@ def _start(process: Process, folder: Path) -> subprocess.Popen[bytes]:
         raise TrackingError(f'{words[0]} cannot be started ({error.strerror}): build the workspace anew') from error
 
 
-def _wait(running: dict[str, subprocess.Popen[bytes]], last: Sequence[str]) -> int:
+def _wait(running: Mapping[str, subprocess.Popen[bytes]], last: Sequence[str], asked: Sequence[int]) -> int:
     codes: dict[str, int] = {}
     given_up = math.inf
-    while not codes.keys() >= set(last) and time.monotonic() < given_up:
+    while not (codes.keys() >= set(last) or asked) and time.monotonic() < given_up:
         time.sleep(POLL)
         for name, process in running.items():
             code = process.poll()
@@ -151,7 +161,7 @@ def _wait(running: dict[str, subprocess.Popen[bytes]], last: Sequence[str]) -> i
     return max((abs(code) for code in codes.values()), default=1)
 
 
-def _end(running: dict[str, subprocess.Popen[bytes]]) -> None:
+def _end(running: Mapping[str, subprocess.Popen[bytes]]) -> None:
     alive = [process for process in running.values() if process.poll() is None]
     for process in alive:
         process.send_signal(signal.SIGINT)
