@@ -169,13 +169,13 @@ def test_ancestors_are_those_of_whole_paths(batch):
         x = rng.standard_normal((*batch, 1, P))
         paths = np.concatenate([paths, x], axis=-2)
         t = 0.5 * k
-        past.add(t, x, parents)
+        past.add(t, x, np.ones((*batch, 1, 1)), parents)
         for then in (t, t - 0.5, t - 0.8, t - 1.5, t - lag):
             at = np.maximum(then / 0.5, 0.0)
             low = int(at)
             high = min(low + 1, k)
             expected = paths[..., low, :] + (at - low) * (paths[..., high, :] - paths[..., low, :])
-            np.testing.assert_allclose(past.at(then)[..., 0, :], expected, atol=1e-12)
+            np.testing.assert_allclose(past.at(then).values[..., 0, :], expected, atol=1e-12)
             assert past.before(then) == (then >= 0.0)
     assert len(past._generations) == 5  # 2 s of half a second each, and the end
     past.clear()
@@ -184,18 +184,34 @@ def test_ancestors_are_those_of_whole_paths(batch):
 
 def test_ancestors_of_another_number_of_particles():
     past = Ancestry(1.0)
-    past.add(0.0, np.array([[10.0, 20.0, 30.0]]), None)
-    past.add(0.5, np.array([[1.0, 2.0]]), np.array([2, 0]))
-    past.add(1.0, np.array([[1.0, 2.0, 3.0, 4.0]]), np.array([0, 0, 1, 1]))
-    np.testing.assert_array_equal(past.at(0.0), [[30.0, 30.0, 10.0, 10.0]])
+    past.add(0.0, np.array([[10.0, 20.0, 30.0]]), np.eye(1), None)
+    past.add(0.5, np.array([[1.0, 2.0]]), np.eye(1), np.array([2, 0]))
+    past.add(1.0, np.array([[1.0, 2.0, 3.0, 4.0]]), np.eye(1), np.array([0, 0, 1, 1]))
+    np.testing.assert_array_equal(past.at(0.0).values, [[30.0, 30.0, 10.0, 10.0]])
+    np.testing.assert_array_equal(past.at(0.0).ancestors, [2, 2, 0, 0])
+
+
+@pytest.mark.parametrize('batch', [(), (2,)])
+def test_few_ancestors_do_not_claim_to_know_more_than_was_known_then(batch):
+    """Of n equal ancestors the mean is off by 1/n of what was not known; of one, by all of it."""
+    past = Ancestry(1.0)
+    known = np.broadcast_to(9.0 * np.eye(1), (*batch, 1, 1))
+    past.add(0.0, np.broadcast_to([[1.0, 2.0, 5.0]], (*batch, 1, 3)), known, None)
+    for parents, mean, variance in (([2, 2, 2], 5.0, 9.0), ([1, 2, 2], 3.5, 2.25 + 4.5)):
+        then = Ancestry(1.0)
+        then._generations.extend(past._generations)
+        then.add(1.0, np.zeros((*batch, 1, 3)), known, np.broadcast_to(parents, (*batch, 3)))
+        m, P = then.moments(0.0, np.broadcast_to([0.5, 0.25, 0.25], (*batch, 3)))
+        np.testing.assert_allclose(m, np.full((*batch, 1), mean))
+        np.testing.assert_allclose(P, np.full((*batch, 1, 1), variance))
 
 
 def test_epochs_of_one_instant_do_not_divide_by_zero():
     past = Ancestry(1.0)
     for value in (1.0, 2.0, 3.0):
-        past.add(0.0, np.full((1, 2), value), None)
-    assert np.all(np.isfinite(past.at(0.0)))
-    assert np.all(past.at(-1.0) == 1.0)
+        past.add(0.0, np.full((1, 2), value), np.eye(1), None)
+    assert np.all(np.isfinite(past.at(0.0).values))
+    assert np.all(past.at(-1.0).values == 1.0)
 
 
 def test_parents_of_parents():

@@ -10,7 +10,6 @@ from typing import NamedTuple
 import numpy as np
 
 from wsn_tracking.filters.ancestry import Ancestry
-from wsn_tracking.filters.particle import moments
 from wsn_tracking.models.anchors import Anchors, Floats, Mask
 from wsn_tracking.models.body_likelihood import Readings
 from wsn_tracking.models.walk import PLANAR
@@ -90,10 +89,10 @@ def _track_block(
         if not config.lag:
             mean[:, k], covariance[:, k] = step.mean, step.covariance
             continue
-        past.add(t, step.cloud.s[..., PLANAR, :], step.parents)
+        past.add(t, step.cloud.s[..., PLANAR, :], step.covariance, step.parents)
         if past.before(t - config.lag):
             then = int(np.argmin(np.abs(walks.times - (t - config.lag))))
-            mean[:, then], covariance[:, then] = moments(past.at(t - config.lag), step.cloud.w)
+            mean[:, then], covariance[:, then] = past.moments(t - config.lag, step.cloud.w)
     return Tracks(mean, covariance, reset, by_node)
 
 

@@ -10,7 +10,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from wsn_tracking.filters.ancestry import Ancestry
-from wsn_tracking.filters.particle import moments
 from wsn_tracking.filters.resampling import systematic
 from wsn_tracking.filters.start import area_of
 from wsn_tracking.models.anchors import Anchors, Floats
@@ -102,9 +101,9 @@ class HumanTracker:
         if self._begun_ns is None:
             self._begun_ns = now.stamp_ns
         time = ((self._stamp_ns or now.stamp_ns) - self._begun_ns) * 1e-9
-        self._past.add(time, step.cloud.s[PLANAR], step.parents)
+        self._past.add(time, step.cloud.s[PLANAR], step.covariance, step.parents)
         then = time - self.config.lag
-        mean, covariance = moments(self._past.at(then), step.cloud.w, FLOOR)
+        mean, covariance = self._past.moments(then, step.cloud.w, FLOOR)
         kind = Kind.SMOOTHED if self._heard and self._past.before(then) else Kind.START
         stamp_ns = now.stamp_ns - round(self.config.lag * 1e9)
         return now._replace(stamp_ns=stamp_ns, source='human_lag', mean=mean, covariance=covariance, kind=kind)
