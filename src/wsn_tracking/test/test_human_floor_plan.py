@@ -68,3 +68,10 @@ def test_a_corner_polygon_is_an_area_too():
 def test_a_plan_that_cannot_be_read_is_refused(tmp_path):
     with pytest.raises(TrackingError, match=r'no\.csv cannot be read'):
         HumanTracker(replace(FEW, floor_plan=str(tmp_path / 'no.csv')), ANCHORS)
+
+
+def test_a_floor_plan_of_another_frame_than_the_area_is_refused(tmp_path):
+    plan = tmp_path / 'plan.csv'
+    plan.write_text('500,500\n510,500\n510,510\n')
+    with pytest.raises(TrackingError, match=r'`area` .* and the floor plan, .* have nothing in common'):
+        HumanTracker(replace(FEW, area=(0.0, 0.0, 50.0, 200.0), floor_plan=str(plan)), ANCHORS)

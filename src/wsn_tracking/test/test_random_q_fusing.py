@@ -84,6 +84,7 @@ def test_every_run_is_compared_with_the_mean_and_lci():
     [
         (RandomQConfig(noise=NoiseConfig(q_min=3.0, q_max=2.0)), '`noise.q_max` 2 is below `noise.q_min` 3'),
         (RandomQConfig(noise=NoiseConfig(q_min=0.0, q_max=0.0)), '`noise.q_max` is 0'),
+        (RandomQConfig(noise=NoiseConfig('acceleration', spectral_density=0.0)), '`noise.spectral_density` is 0'),
         (RandomQConfig(area=(0.0, 0.0, 1.0)), '`area` is'),
         (RandomQConfig(area=(0.0, 2.0, 1.0, 1.0)), 'expected x_min, y_min, x_max, y_max'),
         (RandomQConfig(start=StartConfig(mean=(1.0, 2.0))), 'four numbers each'),

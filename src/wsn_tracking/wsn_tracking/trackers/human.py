@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from wsn_tracking.errors import TrackingError
 from wsn_tracking.filters.ancestry import Ancestry
 from wsn_tracking.filters.resampling import systematic
 from wsn_tracking.filters.start import area_of
@@ -158,11 +159,19 @@ class HumanTracker:
 
 
 def _box(area: tuple[float, ...], floor: Region | None, anchors: Anchors) -> Area:
-    """The rectangle round where a person can be: both area and floor plan bound it, where both are given."""
+    """The rectangle round where a person can be: both area and floor plan bound it, where both are given.
+
+    Raises TrackingError where they have nothing in common.
+    """
     boxes = [region_of(area).box] if area else []
     boxes += [floor.box] if floor is not None else []
     if not boxes:
         boxes = [region_of(area_of(anchors)).box]
     low = [max(box[i] for box in boxes) for i in (0, 1)]
     high = [min(box[i] for box in boxes) for i in (2, 3)]
+    if low[0] >= high[0] or low[1] >= high[1]:
+        raise TrackingError(
+            f'`area` {list(area)} and the floor plan, which lies within {list(boxes[-1])}, have nothing in common: '
+            'give both in metres of one frame, or one of them'
+        )
     return low[0], low[1], high[0], high[1]

@@ -220,6 +220,16 @@ class HumanConfig:
         for name in ('los', 'nlos', 'single'):
             if len(getattr(self.signal, name)) != 2:
                 raise TrackingError(f'`signal.{name}` takes two numbers: at 1 m [dBm], and per decade [dB]')
+        given = {
+            'signal.outlier': self.signal.outlier,
+            'signal.extra': self.signal.extra,
+            'motion.v_max': self.motion.v_max,
+        }
+        for name, value in given.items():
+            if OF_PROFILE < value < 0.0:
+                raise TrackingError(f'`{name}` is {value:g}: expected 0 or more, or -1 for what `profile` says')
+        if self.motion_kind == 'disc' and self.v_max == 0.0:
+            raise TrackingError('`motion.v_max` is 0: a person who cannot move needs no tracker')
         if self.signal.offset_std and self.kernel.kind != 'single':
             raise TrackingError(
                 f'`signal.offset_std` {self.signal.offset_std:g} is for one curve: expected `signal.kind` single, '

@@ -111,6 +111,8 @@ class RandomQConfig:
             raise TrackingError(f'`noise.q_max` {self.noise.q_max:g} is below `noise.q_min` {self.noise.q_min:g}')
         if self.noise.q_max == 0.0:
             raise TrackingError('`noise.q_max` is 0: without process noise a filter stops listening')
+        if self.noise.kind == 'acceleration' and self.noise.spectral_density == 0.0:
+            raise TrackingError('`noise.spectral_density` is 0: without process noise a filter stops listening')
         if self.noise.velocity_time and self.noise.kind != 'acceleration':
             raise TrackingError('`noise.velocity_time` belongs to white acceleration: set `noise.kind` to acceleration')
         if self.area:
