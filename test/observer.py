@@ -44,6 +44,10 @@ class Observer:
         """What a node has last said of itself in /diagnostics."""
         return {pair.key: pair.value for pair in self._told[name].values} if name in self._told else {}
 
+    def forget(self, name: str) -> None:
+        """Whatever is told of a node from now on comes from the process that then runs."""
+        self._told.pop(name, None)
+
     def _words(self) -> str:
         """Each node's last sentence and values; 'age of' tells how long ago it heard whom."""
         return '\n'.join(
