@@ -110,6 +110,8 @@ def test_parameters_come_by_name():
         scenario('b_field', {'fault': 'zero'})
     with pytest.raises(TrackingError, match=r'`a_loop` has no parameter `nodes`: expected one of \(none\)'):
         scenario('a_loop', {'nodes': 20})
+    with pytest.raises(TrackingError, match='`mean` and `std` take four numbers each'):
+        scenario('b_field', {'mean': [1.0, 2.0]})
     with pytest.raises(TrackingError, match='expected one of zero, clutter, absent'):
         scenario('b_field', {'faults': 'never'})
 

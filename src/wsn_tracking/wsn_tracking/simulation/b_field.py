@@ -56,6 +56,12 @@ class FieldConfig:
     dead: tuple[int, ...] = param((), 'nodes that die', 'id', 0, 65535)
     dead_from: int = param(25, 'first epoch without them', '', 0)
 
+    def checked(self) -> FieldConfig:
+        """Itself, or TrackingError where the start is none."""
+        if len(self.mean) != 4 or len(self.std) != 4:
+            raise TrackingError('`mean` and `std` take four numbers each: x, y, vx, vy')
+        return self
+
 
 class Readings(NamedTuple):
     """What the nodes read."""
@@ -129,7 +135,7 @@ def read(config: FieldConfig, positions: Floats, states: Floats, arrived: Mask, 
 
 def b_field(config: FieldConfig | None = None) -> Scenario:
     """One field and one walk; `area` holds both, since the target leaves the field."""
-    config = config or FieldConfig()
+    config = (config or FieldConfig()).checked()
     generator = keyed(config.seed, WORLD, 0)
     positions = fields(config, 1, generator)[0]
     truth = walks(config, 1, generator)[0]

@@ -152,6 +152,10 @@ def mobility(config: BodyConfig) -> Mobility:
         raise TrackingError(f'`hot_spots` are {list(config.hot_spots)}: expected x, y of each')
     if config.fastest < config.slowest:
         raise TrackingError(f'`fastest` {config.fastest:g} m/s is below `slowest` {config.slowest:g} m/s')
+    if 0.0 < config.turn_after < config.period:
+        raise TrackingError(
+            f'`turn_after` {config.turn_after:g} s is less than an epoch of {config.period:g} s: expected that or more, or 0'
+        )
     if 2.0 * config.margin >= min(config.width, config.depth):
         raise TrackingError(f'`margin` {config.margin:g} m leaves nothing of {config.width:g} x {config.depth:g} m')
     x_min, y_min, x_max, y_max = config.area
