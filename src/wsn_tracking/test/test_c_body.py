@@ -133,7 +133,7 @@ def test_scenarios_differ_in_defaults_alone():
         (BodyConfig(hot_spots=(1.0, 2.0, 3.0)), 'expected x, y of each'),
         (BodyConfig(slowest=3.0), 'below `slowest`'),
         (BodyConfig(margin=50.0), 'leaves nothing'),
-        (BodyConfig(turn_after=1e-6), 'less than an epoch of 0.5 s'),
+        (BodyConfig(turn_after=1e-6), 'shorter than an epoch, 0.5 s'),
     ],
 )
 def test_settings_that_contradict_each_other_are_refused(config, words):
