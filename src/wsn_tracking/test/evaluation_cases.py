@@ -11,6 +11,7 @@ from wsn_tracking.trackers.estimate import Estimate, Kind
 
 T0 = 1_700_000_000_123_456_789
 SECOND = 1_000_000_000
+EYE = np.eye(2)
 
 
 def line_truth(epochs=30, target_id=7, speed=(1.0, 0.5)):
