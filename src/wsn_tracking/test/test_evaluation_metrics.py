@@ -7,9 +7,7 @@ from hypothesis.extra.numpy import arrays
 from wsn_tracking.evaluation import metrics
 
 lengths = st.floats(-50.0, 50.0, allow_nan=False, width=64)
-errors_of_runs = arrays(
-    np.float64, st.tuples(st.integers(1, 3), st.integers(1, 12), st.just(2)), elements=lengths
-)
+errors_of_runs = arrays(np.float64, st.tuples(st.integers(1, 3), st.integers(1, 12), st.just(2)), elements=lengths)
 
 HAND = np.array([[3.0, -4.0], [0.0, 0.0], [-1.0, 0.0], [0.0, 2.0]])  # distances 5, 0, 1, 2
 
