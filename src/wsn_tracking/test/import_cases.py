@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import gzip
 import os
 import tempfile
 from collections import defaultdict
 from collections.abc import Mapping
 from pathlib import Path
 
+import numpy as np
 import pytest
 from hypothesis import HealthCheck, settings
 from hypothesis import strategies as st
@@ -66,6 +68,34 @@ def epochs_of(recording: Recording, target_id: int = 1) -> list[tuple[Request, l
     assert stamps == sorted(set(stamps))
     assert [end.final for _, _, end in epochs] == [False] * (len(epochs) - 1) + [True]
     return epochs
+
+
+def same_in_any_dress(kind: str, files: Files, tmp_path: Path) -> None:
+    """That texts as other systems write and keep them hold the same."""
+
+    def windows(text: str | bytes) -> bytes:
+        raw = text.encode() if isinstance(text, str) else text
+        return raw if raw[:2] == b'\x1f\x8b' else b'\xef\xbb\xbf' + raw.replace(b'\n', b'\r\n\r\n')
+
+    dresses = [
+        {name: windows(text) for name, text in files.items()},
+        {name.upper(): text for name, text in files.items()},
+        {
+            f'{name}.gz': gzip.compress(text.encode()) if isinstance(text, str) else text
+            for name, text in ((name.removesuffix('.gz'), text) for name, text in files.items())
+        },
+    ]
+    plain = imported(kind, files, tmp_path)
+    for dress in dresses:
+        other = imported(kind, dress, tmp_path)
+        assert repr(other.messages) == repr(plain.messages)  # NaN is nothing's equal
+        for ours, theirs in zip(plain.anchors, other.anchors, strict=True):
+            np.testing.assert_array_equal(ours, theirs)
+        assert plain.truth.keys() == other.truth.keys()
+        for target, truth in plain.truth.items():
+            np.testing.assert_array_equal(other.truth[target].stamps_ns, truth.stamps_ns)
+            np.testing.assert_array_equal(other.truth[target].positions, truth.positions)
+        assert other.metadata['import_dropped'] == plain.metadata['import_dropped']
 
 
 def refused(kind: str, files: Files, tmp_path: Path, said: str, **options) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 import json
 import shutil
 from pathlib import Path
@@ -120,6 +121,22 @@ def test_lines_may_come_in_any_order(tmp_path):
     (straight,) = import_set('danis', flat(tmp_path / 'a'), tmp_path / 'a_bags')
     (mixed,) = import_set('danis', flat(tmp_path / 'b', ''.join(lines[::-1])), tmp_path / 'b_bags')
     assert next(straight.glob('*.mcap')).read_bytes() == next(mixed.glob('*.mcap')).read_bytes()
+
+
+def test_texts_of_other_systems_hold_the_same(tmp_path):
+    def windows(text):
+        return b'\xef\xbb\xbf' + text.replace('\n', '\r\n\r\n').encode()
+
+    (bag,) = import_set('danis', flat(tmp_path / 'src'), tmp_path / 'out')
+    other = flat(tmp_path / 'other')
+    for path in [path for path in other.rglob('*.*') if path.is_file()]:
+        text = path.read_text()
+        path.with_name(path.name.upper() + '.gz').write_bytes(gzip.compress(windows(text.replace('aa0', 'AA0'))))
+        path.unlink()
+    (dressed,) = import_set('danis', other, tmp_path / 'dressed')
+    assert dressed.name.lower() == bag.name
+    assert repr(read(dressed).messages) == repr(read(bag).messages)  # NaN is nothing's equal
+    assert np.array_equal(read(dressed).anchors.p1_dbm, read(bag).anchors.p1_dbm)
 
 
 def test_a_receiver_that_hears_a_packet_twice_keeps_both(tmp_path):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from hypothesis import given
-from import_cases import BREAKS, FEW, epochs_of, folder, imported, real_data, refused, survives
+from import_cases import BREAKS, FEW, epochs_of, folder, imported, real_data, refused, same_in_any_dress, survives
 from kolakowski_cases import ANCHORS, EXPONENT, HEADER, P1, T0, files, row
 
 from wsn_tracking.bags.importing.run import import_set
@@ -68,9 +68,9 @@ def test_a_missing_file_is_named(tmp_path, lost):
     [
         ('anchors.csv', 'id,x,y\n1,2,3\n', 'no column z'),
         ('anchors.csv', 'id,x,y,z\n', 'lists no anchor'),
-        ('anchors.csv', 'id,x,y,z\none,2,3,4\n', 'no id, x, y, z'),
+        ('anchors.csv', 'id,x,y,z\none,2,3,4\n', r'anchors.csv, line 2: id, x, y, z are expected, found not a number'),
         ('layout.csv', 'x,y\n0,0\n', '1 corners'),
-        ('layout.csv', 'x,y\n0,0\n1,hello\n2,2\n', 'layout.csv'),
+        ('layout.csv', 'x,y\n\n0,0\n1,hello\n2,2\n', 'layout.csv, line 4: x, y are expected'),
         ('calibration/calibration_df.csv', HEADER, 'can be used for a calibration'),
         ('tests/test_robot_df.csv', '', 'no column ts'),
         ('tests/test_robot_df.csv', HEADER, 'the file is empty'),
@@ -81,10 +81,21 @@ def test_what_is_wrong_is_told_in_one_line(tmp_path, name, content, said):
     refused('kolakowski', {**files(), name: content}, tmp_path, said)
 
 
+def test_texts_of_other_systems_hold_the_same(tmp_path):
+    same_in_any_dress('kolakowski', files(), tmp_path)
+
+
 @FEW
 @given(breaks=BREAKS)
 def test_broken_files_give_a_bag_or_one_line(tmp_path, breaks):
     survives('kolakowski', files(), breaks, tmp_path)
+
+
+def test_one_file_of_the_flat_is_not_enough(tmp_path):
+    source = folder(tmp_path / 'src', files()) / 'tests' / 'test_robot_df.csv'
+    with pytest.raises(Exception, match=r'test_robot_df.csv is no anchors.csv: give the folder') as error:
+        import_set('kolakowski', source, tmp_path / 'bag')
+    assert error.typename == 'TrackingError'
 
 
 def test_a_source_that_does_not_exist_is_named(tmp_path):

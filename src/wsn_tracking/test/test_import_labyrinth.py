@@ -5,10 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from hypothesis import given
-from import_cases import BREAKS, FEW, epochs_of, imported, real_data, refused, survives
+from import_cases import BREAKS, FEW, epochs_of, folder, imported, real_data, refused, same_in_any_dress, survives
 
 from wsn_tracking.bags.importing.run import import_set
 from wsn_tracking.bags.read import read
+from wsn_tracking.errors import TrackingError
 from wsn_tracking.sensing.values import Modality
 
 MODULES = {105: (-0.02, -0.01), 107: (-0.02, 2.365), 108: (2.385, 2.36)}
@@ -66,12 +67,31 @@ def test_lines_that_cannot_be_used_are_counted_by_reason(tmp_path):
     assert len(epochs_of(back)) == 1
 
 
+def test_ranges_of_one_stamp_are_one_epoch(tmp_path):
+    back = imported('labyrinth', files(ranged(0.125) + ranged(0.25, 2.5, 107) + ranged(0.25, 0.875, 108)), tmp_path)
+    heard = [[(m.node_id, m.range) for m in packets] for _, packets, _ in epochs_of(back)]
+    assert heard == [[(105, 1.25)], [(107, 2.5), (108, 0.875)]]
+    assert back.metadata['import_dropped'] == 'nothing'
+
+
+def test_the_file_of_ranges_finds_its_truth(tmp_path):
+    source = folder(tmp_path / 'src', files())
+    (bag,) = import_set('labyrinth', source / 'Indoor_UWB_Input.txt', tmp_path / 'bag')
+    assert read(bag).truth[1].stamps_ns.size == 3
+    with pytest.raises(TrackingError, match=r'Other_Input.txt is no Indoor_UWB_Input.txt: give the folder'):
+        import_set('labyrinth', source / 'Other_Input.txt', tmp_path / 'other')
+
+
 def test_what_is_wrong_is_told_in_one_line(tmp_path):
     refused('labyrinth', {'readme': ''}, tmp_path, 'holds no Indoor_UWB_Input.txt')
     refused('labyrinth', {'Indoor_UWB_Input.txt': ranged(1.0)}, tmp_path, 'holds no Indoor_UWB_GT.txt')
     refused('labyrinth', files('hello\n'), tmp_path, 'no line `range2')
     refused('labyrinth', files(ranged(1.0, -1)), tmp_path, r'no measurement can be used \(absurd_range 1\)')
     refused('labyrinth', files(ranged(1.0, module=-5)), tmp_path, 'leave 0..65535')
+
+
+def test_texts_of_other_systems_hold_the_same(tmp_path):
+    same_in_any_dress('labyrinth', files(), tmp_path)
 
 
 @FEW

@@ -7,7 +7,7 @@ from datetime import datetime, timezone
 import numpy as np
 import pytest
 from hypothesis import given
-from import_cases import BREAKS, FEW, epochs_of, folder, imported, real_data, refused, survives
+from import_cases import BREAKS, FEW, epochs_of, folder, imported, real_data, refused, same_in_any_dress, survives
 
 from wsn_tracking.bags.importing.lias import ANCHORS, LEVERS, Sample, nearest, weights
 from wsn_tracking.bags.importing.run import import_set
@@ -121,6 +121,10 @@ def test_what_is_wrong_is_told_in_one_line(tmp_path):
     refused('lias', {'readme.txt': ''}, tmp_path, r'holds no UWB_\*.csv')
     refused('lias', {'UWB_a.csv': line(0.0)}, tmp_path, r'motion_capture_a.csv cannot be read')
     refused('lias', files('hello\n'), tmp_path, r'no measurement can be used \(wrong_columns 1\)')
+
+
+def test_texts_of_other_systems_hold_the_same(tmp_path):
+    same_in_any_dress('lias', files(''.join(line(k / 10) for k in range(3))), tmp_path)
 
 
 @FEW

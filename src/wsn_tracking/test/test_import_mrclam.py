@@ -7,7 +7,7 @@ import gzip
 import numpy as np
 import pytest
 from hypothesis import given
-from import_cases import BREAKS, FEW, epochs_of, imported, real_data, refused, survives
+from import_cases import BREAKS, FEW, epochs_of, imported, real_data, refused, same_in_any_dress, survives
 
 from wsn_tracking.bags.importing.run import import_set
 from wsn_tracking.bags.read import read
@@ -89,9 +89,9 @@ def test_other_robots_and_broken_lines_are_counted_by_reason(tmp_path):
     [
         ('Robot1_Measurement.dat', None, 'holds no Robot1_Measurement.dat'),
         ('Barcodes.dat', None, 'Barcodes.dat cannot be read'),
-        ('Barcodes.dat', '1 x\n', 'lines of 2 numbers are expected, one has not_a_number'),
-        ('Landmark_Groundtruth.dat', '6 1\n', 'lines of 3 numbers are expected, it holds shorter'),
-        ('Landmark_Groundtruth.dat', '# none\n', 'it holds shorter ones or none'),
+        ('Barcodes.dat', '# none\n\n1 x\n', 'Barcodes.dat, line 3: 2 numbers are expected, found not a number'),
+        ('Landmark_Groundtruth.dat', '6 1\n', 'dat, line 1: 3 numbers are expected, found 2'),
+        ('Landmark_Groundtruth.dat', '# none\n', 'holds no line of 3 numbers'),
         ('Robot2_Groundtruth.dat', None, 'Robot2_Groundtruth.dat cannot be read'),
         ('Robot1_Groundtruth.dat.gz', b'\x1f\x8bhello', 'Robot1_Groundtruth.dat.gz cannot be read'),
     ],
@@ -103,6 +103,10 @@ def test_what_is_wrong_is_told_in_one_line(tmp_path, name, content, said):
 
 def test_without_any_landmark_in_sight_nothing_is_left(tmp_path):
     refused('mrclam', files(seen(0.5, 14), ''), tmp_path, r'no measurement can be used \(robot_seen 1\)')
+
+
+def test_texts_of_other_systems_hold_the_same(tmp_path):
+    same_in_any_dress('mrclam', files(), tmp_path)
 
 
 @FEW

@@ -50,6 +50,12 @@ def test_every_range_is_an_epoch(tmp_path):
     assert back.metadata['source'].endswith('Plaza9_.mat')
 
 
+def test_ranges_of_one_stamp_are_one_epoch(tmp_path):
+    back = imported('plaza', files(TD=[*TD, [10.75, 2.0, 1.0, 21.0]]), tmp_path)
+    assert [[m.node_id for m in packets] for _, packets, _ in epochs_of(back)] == [[1], [6], [0], [5, 1]]
+    assert back.metadata['import_dropped'] == 'nothing'
+
+
 def test_the_truth_surrounds_every_epoch(tmp_path):
     truth = imported('plaza', files(), tmp_path).truth[1]
     assert truth.stamps_ns[0] == 9_900_000_000

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from hypothesis import given
-from import_cases import BREAKS, FEW, epochs_of, imported, real_data, refused, survives
+from import_cases import BREAKS, FEW, epochs_of, folder, imported, real_data, refused, same_in_any_dress, survives
 
 from wsn_tracking.bags.importing.run import import_set
 from wsn_tracking.bags.read import read
@@ -78,19 +78,29 @@ def test_damaged_rows_are_counted_by_reason_and_not_used(tmp_path):
     assert heard == [[2, 5], [5], [2], [5]]
 
 
+def test_of_several_logs_one_can_be_named(tmp_path):
+    source = folder(tmp_path / 'src', {**files(), 'ZigNav_logs_2.txt': line(10000)})
+    (bag,) = import_set('zignav', source / 'ZigNav_logs_2.txt', tmp_path / 'bag')
+    assert len(epochs_of(read(bag))) == 1
+
+
 @pytest.mark.parametrize(
     ('name', 'content', 'said'),
     [
         ('AP_Pixel_Based_Locations.txt', '487;1042;Node2;2\n60;60;Node5;5\n', r'places nodes \[2, 5\]'),
-        ('AP_Pixel_Based_Locations.txt', '487;1042\n', 'tell no places as expected'),
-        ('Area_dimension.txt', 'width\n543,1125,0,2.4384\n', 'tell no places as expected'),
-        ('Area_dimension.txt', '', 'tell no places as expected'),
+        ('AP_Pixel_Based_Locations.txt', '487;1042\n', 'txt, line 1: px;py;name;id are expected'),
+        ('Area_dimension.txt', 'width\n543,1125,0,2.4384\n', 'tells no width,height,pixels,metres'),
+        ('Area_dimension.txt', '', 'tells no width,height,pixels,metres'),
         ('ZigNav_logs_Dec.6.2017.txt', '', 'the file is empty'),
         ('more/ZigNav_logs_2.txt', '', 'holds 2 of ZigNav_logs'),
     ],
 )
 def test_what_is_wrong_is_told_in_one_line(tmp_path, name, content, said):
     refused('zignav', {**files(), name: content}, tmp_path, said)
+
+
+def test_texts_of_other_systems_hold_the_same(tmp_path):
+    same_in_any_dress('zignav', files(), tmp_path)
 
 
 @FEW

@@ -24,7 +24,7 @@ class PathLoss(NamedTuple):
 
     p1_dbm: float  # at d0
     n: float
-    sigma_db: float  # of the given values about the curve
+    sigma_db: float  # of the given values about the curve, at least MIN_SCALE
     count: int  # type: ignore[assignment]  # values used; tuple.count is never needed
 
 
@@ -61,7 +61,7 @@ def fit_path_loss(
     limit = OUTLIER * _scale(residual)
     freedom = max(1.0 - 2.0 / residual.size, 1.0 / residual.size)  # two numbers were fitted
     variance = np.average(np.clip(residual, -limit, limit) ** 2, weights=w) / freedom
-    return PathLoss(float(p1), float(n), float(np.sqrt(variance)), int(residual.size))
+    return PathLoss(float(p1), float(n), max(float(np.sqrt(variance)), MIN_SCALE), int(residual.size))
 
 
 def _line(x: Floats, y: Floats, w: Floats, scale: float) -> tuple[float, float]:

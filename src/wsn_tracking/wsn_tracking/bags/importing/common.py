@@ -12,6 +12,7 @@ import zlib
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from decimal import Decimal, InvalidOperation
+from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import TypeVar
 
@@ -29,13 +30,21 @@ Measured = TypeVar('Measured', Rssi, Range)
 
 SHORTEST_S = 0.005  # a shorter period is no period of a radio: none is told
 LAST_S = 2**31  # stamps end here [s]
+PACKED = b'\x1f\x8b'  # how a gzip file begins
 MAX_M = 1e4  # no radio of a sensor network, and no room, reaches further
 
 
 def find(src: Path, pattern: str) -> Path:
-    """The one file of that name at `src` or in its folders; TrackingError where there is none, or several."""
+    """The one file of that name at `src` or in its folders; TrackingError where there is none, or several.
+
+    Names are matched in any case, and packed as .gz or not.
+    """
+    if src.is_file():
+        if not is_called(src, pattern):
+            raise TrackingError(f'{src} is no {pattern}: give the folder of the recording')
+        return src
     try:
-        found = [src] if src.is_file() else sorted(path for path in src.rglob(pattern) if path.is_file())
+        found = sorted(path for path in src.rglob('*') if is_called(path, pattern) and path.is_file())
     except OSError as error:
         raise TrackingError(f'{src} cannot be searched: {error.strerror}') from error
     if not found:
@@ -46,14 +55,39 @@ def find(src: Path, pattern: str) -> Path:
     return found[0]
 
 
-def lines_of(path: Path) -> list[str]:
-    """The lines of a text, unpacked where its name ends in .gz, without empty ones."""
+def beside(folder: Path, name: str) -> Path:
+    """The file of that name in a folder, in any case and packed as .gz or not; the bare name where there is none."""
+    return next((path for path in sorted(folder.iterdir()) if is_called(path, name)), folder / name)
+
+
+def is_called(path: Path, pattern: str) -> bool:
+    """Whether the name of a file is of a pattern, in any case and packed as .gz or not."""
+    return fnmatchcase(path.name.lower().removesuffix('.gz'), pattern.lower())
+
+
+def numbered(path: Path) -> list[tuple[int, str]]:
+    """Number and text of every line that is not empty; what gzip has packed is unpacked, a byte order mark dropped."""
     try:
         raw = path.read_bytes()
-        text = (gzip.decompress(raw) if path.suffix == '.gz' else raw).decode('utf-8', errors='replace')
+        text = (gzip.decompress(raw) if raw.startswith(PACKED) else raw).decode('utf-8-sig', errors='replace')
     except (OSError, EOFError, zlib.error) as error:
-        raise TrackingError(f'{path} cannot be read: {error}') from error
-    return [line.strip() for line in text.splitlines() if line.strip()]
+        raise TrackingError(f'{path} cannot be read: {getattr(error, "strerror", None) or error}') from error
+    return [(number, line.strip()) for number, line in enumerate(text.splitlines(), start=1) if line.strip()]
+
+
+def lines_of(path: Path) -> list[str]:
+    """The lines of a text without empty ones, see `numbered`."""
+    return [line for _, line in numbered(path)]
+
+
+def comma_separated(line: str) -> list[str]:
+    """The cells of a line without the blanks and quotes round them."""
+    return [cell.strip().strip('"') for cell in line.split(',')]
+
+
+def unusable(path: Path, number: int, expected: str, reason: object) -> TrackingError:
+    """What is told of a line without which nothing can be used."""
+    return TrackingError(f'{path}, line {number}: {expected} expected, found {str(reason).replace("_", " ")}')
 
 
 def numbers(cells: Sequence[str], limit: float = MAX_M) -> list[float]:
@@ -105,6 +139,17 @@ def grouped(packets: Iterable[Measured], within_s: float) -> list[Epoch]:
         else:
             groups.append([packet])
     return [Epoch(group[0].target_id, 0, group[0].stamp_ns, tuple(group)) for group in groups]
+
+
+def singles(packets: Iterable[Measured], dropped: Dropped) -> list[Epoch]:
+    """Each measurement of a target as an epoch; other nodes at its stamp join it, a node's second one is left out."""
+    at: dict[int, dict[int, Measured]] = defaultdict(dict)
+    for packet in packets:
+        if packet.node_id in at[packet.stamp_ns]:
+            dropped['repeated_stamp'] += 1
+        else:
+            at[packet.stamp_ns][packet.node_id] = packet
+    return [Epoch(next(iter(of.values())).target_id, 0, stamp, tuple(of.values())) for stamp, of in at.items()]
 
 
 def box(positions: ArrayLike, margin: float = 0.0) -> str:

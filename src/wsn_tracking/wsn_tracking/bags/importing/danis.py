@@ -44,7 +44,8 @@ def tracks(src: Path) -> Iterator[tuple[str, Recording]]:
     anchors = calibrated(devices, read_histograms(sources.histograms, devices))
     for path in sources.tracks:
         receptions, dropped = read_track(path, devices)
-        yield f'danis_{path.name[: -len(TRACK)]}', _recording(path, receptions, anchors, Counter(dropped))
+        name = path.name[: path.name.lower().index(TRACK)]
+        yield f'danis_{name}', _recording(path, receptions, anchors, Counter(dropped))
 
 
 def survey(src: Path) -> tuple[Anchors, Survey]:

@@ -17,6 +17,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from wsn_tracking.bags.importing.common import comma_separated, is_called, lines_of, numbered
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.models.anchors import Floats
 
@@ -33,7 +34,7 @@ class Receiver(NamedTuple):
 
 
 class Devices(NamedTuple):
-    """Who takes part, by MAC address."""
+    """Who takes part, by MAC address in small letters."""
 
     receivers: dict[str, Receiver]
     beacons: tuple[str, ...]
@@ -71,9 +72,9 @@ def find(src: Path) -> Sources:
     if not src.is_dir():
         raise TrackingError(f'{src} is no folder: the folder of the BLE tracks is expected')
     files = sorted(path for path in src.rglob('*') if path.is_file())
-    devices = [path for path in files if path.suffix == '.dev']
-    histograms = [p for p in files if p.suffix == '.hst' and 'set_1' in p.relative_to(src).as_posix()]
-    tracks = [path for path in files if path.name.endswith(TRACK)]
+    devices = [path for path in files if is_called(path, '*.dev')]
+    histograms = [p for p in files if is_called(p, '*.hst') and 'set_1' in p.relative_to(src).as_posix().lower()]
+    tracks = [path for path in files if is_called(path, f'*{TRACK}')]
     wanted = {'*.dev': devices, '*.hst with set_1 in its path': histograms, f'*{TRACK}': tracks}
     missing = [name for name, found in wanted.items() if not found]
     if missing:
@@ -86,28 +87,23 @@ def find(src: Path) -> Sources:
 
 def _best(paths: list[Path]) -> Path:
     """The file that upstream calls tetam, else the first."""
-    return min(paths, key=lambda path: ('tetam' not in path.name, path.as_posix()))
+    return min(paths, key=lambda path: ('tetam' not in path.name.lower(), path.as_posix()))
 
 
 def _sections(path: Path) -> dict[str, Any]:
     """Lines `name:JSON` of a .dev or .hst file."""
     sections = {}
-    for line in _text(path).splitlines():
+    for number, line in numbered(path):
         name, colon, content = line.partition(':')
         if not colon or not name.strip():
             continue
         try:
             sections[name.strip()] = json.loads(content)
         except (ValueError, RecursionError) as error:
-            raise TrackingError(f'{path}, section {name.strip()!r}: JSON is expected: {error}') from error
+            raise TrackingError(
+                f'{path}, line {number}, section {name.strip()!r}: JSON is expected: {error}'
+            ) from error
     return sections
-
-
-def _text(path: Path) -> str:
-    try:
-        return path.read_text('utf-8', errors='replace')
-    except OSError as error:
-        raise TrackingError(f'{path} cannot be read: {error.strerror}') from error
 
 
 def read_devices(path: Path) -> Devices:
@@ -120,8 +116,8 @@ def read_devices(path: Path) -> Devices:
             x, y, z = (float(value) for value in position)
             if number is None or not all(map(math.isfinite, (x, y, z))):
                 raise ValueError(f'receiver {mac} has alias {alias!r} at {position}')  # noqa: TRY301
-            receivers[mac] = Receiver(int(number[1]), (x, y, z))
-        beacons = tuple(sections['Beacons'])
+            receivers[mac.lower()] = Receiver(int(number[1]), (x, y, z))
+        beacons = tuple(mac.lower() for mac in sections['Beacons'])
     except (KeyError, ValueError, TypeError, AttributeError) as error:
         raise TrackingError(
             f'{path} describes no receivers as expected (Dongles: MAC: [[x, y, z], colour, alias]): {error}'
@@ -144,8 +140,8 @@ def read_histograms(path: Path, devices: Devices) -> dict[int, Links]:
         for point, by_mac in sections['Fingerprints'].items():
             place = np.array([float(value) for value in point.strip('() ').split(',')])
             for mac, by_beacon in by_mac.items():
-                if mac in devices.receivers:
-                    receiver = devices.receivers[mac]
+                receiver = devices.receivers.get(mac.lower())
+                if receiver is not None:
                     distance = float(np.linalg.norm(place - np.array(receiver.position)))
                     for pmf in by_beacon.values():
                         row = (*_moments(distance, levels, pmf), *place.tolist())
@@ -175,13 +171,12 @@ def read_track(path: Path, devices: Devices) -> tuple[list[Reception], dict[str,
     """Receptions of a track in the order of their stamps, and how many lines were left out, by reason."""
     receptions: list[Reception] = []
     dropped: Counter[str] = Counter()
-    for line in _text(path).splitlines():
-        if line.strip():
-            reception = _reception(line.strip().split(','), devices.receivers, devices.beacons)
-            if isinstance(reception, str):
-                dropped[reception] += 1
-            else:
-                receptions.append(reception)
+    for line in lines_of(path):
+        reception = _reception(comma_separated(line), devices.receivers, devices.beacons)
+        if isinstance(reception, str):
+            dropped[reception] += 1
+        else:
+            receptions.append(reception)
     receptions.sort(key=lambda reception: reception.stamp_ns)
     return receptions, dict(dropped)
 
@@ -199,8 +194,9 @@ def _reception(cells: list[str], receivers: Mapping[str, Receiver], beacons: tup
         return 'absurd_number'
     if not RSSI_LIMITS[0] <= rssi <= RSSI_LIMITS[1]:
         return 'absurd_rssi'
-    if cells[1] not in receivers:
+    receiver = receivers.get(cells[1].lower())
+    if receiver is None:
         return 'unknown_receiver'
-    if cells[2] not in beacons:
+    if cells[2].lower() not in beacons:
         return 'unknown_beacon'
-    return Reception(round(stamp * 10**9), receivers[cells[1]].node_id, rssi, (x, y, z))
+    return Reception(round(stamp * 10**9), receiver.node_id, rssi, (x, y, z))

@@ -15,7 +15,18 @@ from typing import NamedTuple
 
 import numpy as np
 
-from wsn_tracking.bags.importing.common import Dropped, box, find, lines_of, nanoseconds, numbers, recording, track
+from wsn_tracking.bags.importing.common import (
+    Dropped,
+    box,
+    comma_separated,
+    find,
+    nanoseconds,
+    numbered,
+    numbers,
+    recording,
+    track,
+    unusable,
+)
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.models.anchors import Anchors, make_anchors
 from wsn_tracking.sensing.calibration import fit_path_loss
@@ -65,10 +76,7 @@ def load(src: Path) -> Recording:
 
 def read_layout(path: Path) -> list[list[float]]:
     """The corners of the walls, x, y [m]."""
-    try:
-        corners = [numbers(corner) for corner in _table(path, ['x', 'y'], Counter())]
-    except ValueError as reason:
-        raise TrackingError(f'{path}: corners x, y are expected, one has {reason}') from None
+    corners = _checked(path, ['x', 'y'])
     if len(corners) < 3:
         raise TrackingError(f'{path} holds {len(corners)} corners, a flat has at least 3')
     return corners
@@ -86,13 +94,7 @@ def survey(src: Path) -> tuple[Anchors, Survey]:
 
 def read_anchors(path: Path) -> Positions:
     """Where the anchors are."""
-    positions = {}
-    for cells in _table(path, ['id', 'x', 'y', 'z'], Counter()):
-        try:
-            number, *xyz = numbers(cells)
-        except ValueError as error:
-            raise TrackingError(f'{path}: row {cells} is no id, x, y, z ({error})') from None
-        positions[int(number)] = xyz
+    positions = {int(number): xyz for number, *xyz in _checked(path, ['id', 'x', 'y', 'z'])}
     if not positions:
         raise TrackingError(f'{path} lists no anchor: rows of id, x, y, z are expected')
     return positions
@@ -116,7 +118,7 @@ def calibrated(positions: Positions, survey: list[Window]) -> Anchors:
 
 
 def _windows(path: Path, positions: Positions, dropped: Dropped) -> Iterator[Window]:
-    for ts, x, y, *cells in _table(path, ['ts', 'x', 'y', *(f'rssi_{node}' for node in positions)], dropped):
+    for _, (ts, x, y, *cells) in _table(path, ['ts', 'x', 'y', *(f'rssi_{node}' for node in positions)], dropped):
         try:
             stamp, place = nanoseconds(ts, -9), numbers([x, y])
         except ValueError as reason:
@@ -132,18 +134,29 @@ def _windows(path: Path, positions: Positions, dropped: Dropped) -> Iterator[Win
         yield Window(stamp, place[0], place[1], heard)
 
 
-def _table(path: Path, names: list[str], dropped: Dropped) -> Iterator[list[str]]:
-    """The named columns of every row."""
-    lines = lines_of(path)
-    header = lines[0].split(',') if lines else []
+def _checked(path: Path, names: list[str]) -> list[list[float]]:
+    """The named columns of a table without which nothing can be used."""
+    rows = []
+    for number, cells in _table(path, names, Counter()):
+        try:
+            rows.append(numbers(cells))
+        except ValueError as reason:
+            raise unusable(path, number, f'{", ".join(names)} are', reason) from None
+    return rows
+
+
+def _table(path: Path, names: list[str], dropped: Dropped) -> Iterator[tuple[int, list[str]]]:
+    """Line and named columns of every row."""
+    lines = numbered(path)
+    header = [name.lower() for name in comma_separated(lines[0][1])] if lines else []
     missing = [name for name in names if name not in header]
     if missing:
         raise TrackingError(f'{path} has no column {", ".join(missing)}: its first line names {header or "nothing"}')
     columns = [header.index(name) for name in names]
-    for line in lines[1:]:
-        cells = line.split(',')
+    for number, line in lines[1:]:
+        cells = comma_separated(line)
         if len(cells) == len(header):
-            yield [cells[column] for column in columns]
+            yield number, [cells[column] for column in columns]
         else:
             dropped['wrong_columns'] += 1
 

@@ -20,23 +20,25 @@ from wsn_tracking.bags.importing.common import (
     numbers,
     positive,
     recording,
+    singles,
     track,
 )
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.models.anchors import make_anchors
 from wsn_tracking.sensing.recording import Recording
-from wsn_tracking.sensing.values import Epoch, Modality, Range
+from wsn_tracking.sensing.values import Modality, Range
 
 SOURCE = 'github TUC-ProAut/libRSF @d54801a2'
 TARGET = 1
 
 
 def load(src: Path) -> Recording:
-    """Every range is an epoch of its own; a module is where its first line says."""
+    """Every range is an epoch of its own, but for those of one stamp; a module is where its first line says."""
+    ranged = find(src, 'Indoor_UWB_Input.txt')
     dropped: Dropped = Counter()
     modules: dict[int, list[float]] = {}
-    epochs = []
-    for stamp, (metres, _, x, y, module) in _records(find(src, 'Indoor_UWB_Input.txt'), 'range2', 5, dropped):
+    packets = []
+    for stamp, (metres, _, x, y, module) in _records(ranged, 'range2', 5, dropped):
         try:
             node = int(module)
             if modules.setdefault(node, [x, y]) != [x, y]:
@@ -45,10 +47,10 @@ def load(src: Path) -> Recording:
         except ValueError as reason:
             dropped[str(reason)] += 1
             continue
-        epochs.append(Epoch(TARGET, 0, stamp, (packet,)))
+        packets.append(packet)
     if not modules:
-        raise TrackingError(f'{src}: Indoor_UWB_Input.txt holds no line `range2 ...` that can be used')
-    points = _records(find(src, 'Indoor_UWB_GT.txt'), 'point2', 2, dropped)
+        raise TrackingError(f'{ranged} holds no line `range2 ...` that can be used')
+    points = _records(find(src if src.is_dir() else src.parent, 'Indoor_UWB_GT.txt'), 'point2', 2, dropped)
     truth = track(TARGET, [(stamp, (*place, 0.0)) for stamp, place in points])
     anchors = make_anchors(list(modules), list(modules.values()))
     metadata = {
@@ -57,7 +59,7 @@ def load(src: Path) -> Recording:
         'configuration': 'labyrinth',
         'source': SOURCE,
     }
-    return recording(epochs, anchors, [truth], metadata, dropped)
+    return recording(singles(packets, dropped), anchors, [truth], metadata, dropped)
 
 
 def _records(path: Path, kind: str, count: int, dropped: Dropped) -> Iterator[tuple[int, list[float]]]:

@@ -17,7 +17,9 @@ import numpy as np
 
 from wsn_tracking.bags.importing.common import (
     Dropped,
+    beside,
     box,
+    comma_separated,
     find,
     lines_of,
     nanoseconds,
@@ -83,7 +85,8 @@ def load(src: Path, rate: float = RATE) -> Recording:
         'configuration': 'lias',
         'source': f'{SOURCE} {ranged.name}',
     }
-    truth = _truth(ranged.with_name(ranged.name.replace('UWB_', 'motion_capture_', 1)), dropped)
+    twin = f'motion_capture_{ranged.name.lower().removesuffix(".gz")[len("UWB_") :]}'
+    truth = _truth(beside(ranged.parent, twin), dropped)
     anchors = make_anchors(range(len(ANCHORS)), ANCHORS)
     return recording(epochs, anchors, [track(TARGET, truth, TRUTH_S)], metadata, dropped)
 
@@ -110,7 +113,7 @@ def nearest(samples: list[Sample], period_s: float) -> list[Sample]:
 def _samples(path: Path, dropped: Dropped) -> list[Sample]:
     samples = []
     for line in lines_of(path):
-        cells = line.split(',')
+        cells = comma_separated(line)
         try:
             if len(cells) != 1 + TAGS * len(ANCHORS):
                 raise ValueError('wrong_columns')  # noqa: TRY301
@@ -135,7 +138,7 @@ def _range(cell: str, dropped: Dropped) -> float:
 def _truth(path: Path, dropped: Dropped) -> list[tuple[int, list[float]]]:
     rows = []
     for line in lines_of(path)[1:]:
-        cells = line.split(',')
+        cells = comma_separated(line)
         try:
             if len(cells) < 4:
                 raise ValueError('wrong_columns')  # noqa: TRY301

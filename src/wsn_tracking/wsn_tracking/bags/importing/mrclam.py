@@ -14,15 +14,17 @@ from pathlib import Path
 
 from wsn_tracking.bags.importing.common import (
     Dropped,
+    beside,
     box,
     find,
     grouped,
-    lines_of,
     nanoseconds,
+    numbered,
     numbers,
     positive,
     recording,
     track,
+    unusable,
 )
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.models.anchors import make_anchors
@@ -40,12 +42,12 @@ def load(src: Path) -> Recording:
     """The robots are targets, the landmarks nodes; what one picture shows of landmarks is an epoch of its robot."""
     folder = find(src, 'Robot1_Measurement.dat').parent
     dropped: Dropped = Counter()
-    subjects = {int(code): int(subject) for subject, code in _checked(folder / 'Barcodes.dat', 2)}
-    landmarks = {int(node): (x, y) for node, x, y in _checked(folder / 'Landmark_Groundtruth.dat', 3)}
+    subjects = {int(code): int(subject) for subject, code in _checked(beside(folder, 'Barcodes.dat'), 2)}
+    landmarks = {int(node): (x, y) for node, x, y in _checked(beside(folder, 'Landmark_Groundtruth.dat'), 3)}
     epochs: list[Epoch] = []
     truth = []
     for robot in ROBOTS:
-        measured = folder / f'Robot{robot}_Measurement.dat'
+        measured = beside(folder, f'Robot{robot}_Measurement.dat')
         if measured.is_file():
             seen = sorted(_seen(measured, robot, subjects, landmarks, dropped), key=lambda packet: packet.stamp_ns)
             epochs += grouped(seen, FRAME_S)
@@ -64,7 +66,7 @@ def _seen(
     path: Path, robot: int, subjects: dict[int, int], landmarks: dict[int, tuple[float, float]], dropped: Dropped
 ) -> Iterator[Range]:
     """A robot's ranges to landmarks; those to other robots are left out (`robot_seen`)."""
-    for cells in _cells(path):
+    for _, cells in _cells(path):
         try:
             if len(cells) < 3:
                 raise ValueError('too_few_columns')  # noqa: TRY301
@@ -80,9 +82,8 @@ def _seen(
 
 
 def _truth(folder: Path, robot: int, dropped: Dropped) -> Truth:
-    packed = folder / f'Robot{robot}_Groundtruth.dat.gz'
     rows = []
-    for cells in _cells(packed if packed.is_file() else packed.with_suffix('')):
+    for _, cells in _cells(beside(folder, f'Robot{robot}_Groundtruth.dat')):
         try:
             if len(cells) < 3:
                 raise ValueError('too_few_columns')  # noqa: TRY301
@@ -94,14 +95,19 @@ def _truth(folder: Path, robot: int, dropped: Dropped) -> Truth:
 
 def _checked(path: Path, count: int) -> list[list[float]]:
     """The first `count` numbers of every line of a table without which nothing can be used."""
-    try:
-        rows = [numbers(cells[:count]) for cells in _cells(path)]
-    except ValueError as reason:
-        raise TrackingError(f'{path}: lines of {count} numbers are expected, one has {reason}') from None
-    if not rows or any(len(row) < count for row in rows):
-        raise TrackingError(f'{path}: lines of {count} numbers are expected, it holds shorter ones or none')
+    rows = []
+    for number, cells in _cells(path):
+        try:
+            if len(cells) < count:
+                raise ValueError(f'{len(cells)}')  # noqa: TRY301
+            rows.append(numbers(cells[:count]))
+        except ValueError as reason:
+            raise unusable(path, number, f'{count} numbers are', reason) from None
+    if not rows:
+        raise TrackingError(f'{path} holds no line of {count} numbers')
     return rows
 
 
-def _cells(path: Path) -> Iterator[list[str]]:
-    return (line.split() for line in lines_of(path) if not line.startswith('#'))
+def _cells(path: Path) -> Iterator[tuple[int, list[str]]]:
+    """Number and cells of every line that is no comment."""
+    return ((number, line.split()) for number, line in numbered(path) if not line.startswith('#'))

@@ -20,13 +20,14 @@ from wsn_tracking.bags.importing.common import (
     numbers,
     positive,
     recording,
+    singles,
     track,
 )
 from wsn_tracking.bags.importing.matlab import read_tables
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.models.anchors import Floats, make_anchors
 from wsn_tracking.sensing.recording import Recording
-from wsn_tracking.sensing.values import Epoch, Modality, Range
+from wsn_tracking.sensing.values import Modality, Range
 
 SOURCE = 'github borglab/gtsam @0ffe6c93'
 TARGET = 1
@@ -35,12 +36,12 @@ COLUMNS = {'TL': 3, 'TD': 4, 'GT': 3}
 
 
 def load(src: Path) -> Recording:
-    """Every range is an epoch of its own."""
+    """Every range is an epoch of its own, but for those of one stamp."""
     path = find(src, 'Plaza*.mat')
     tables = _tables(path)
     dropped: Dropped = Counter()
     beacons = {int(node): (x, y) for node, x, y in tables['TL'][:, :3].tolist()}
-    epochs = []
+    packets = []
     for stamp, _, node, metres in tables['TD'][:, :4].tolist():
         try:
             at = nanoseconds(stamp)
@@ -50,7 +51,7 @@ def load(src: Path) -> Recording:
         except ValueError as reason:
             dropped[str(reason)] += 1
             continue
-        epochs.append(Epoch(TARGET, 0, at, (packet,)))
+        packets.append(packet)
     truth = []
     for stamp, x, y in tables['GT'][:, :3].tolist():
         try:
@@ -64,7 +65,7 @@ def load(src: Path) -> Recording:
         'configuration': 'plaza',
         'source': f'{SOURCE} {path.name}',
     }
-    return recording(epochs, anchors, [track(TARGET, truth)], metadata, dropped)
+    return recording(singles(packets, dropped), anchors, [track(TARGET, truth)], metadata, dropped)
 
 
 def _tables(path: Path) -> dict[str, Floats]:

@@ -12,7 +12,17 @@ from collections import Counter
 from pathlib import Path
 from typing import NamedTuple
 
-from wsn_tracking.bags.importing.common import Dropped, find, lines_of, nanoseconds, numbers, recording, track
+from wsn_tracking.bags.importing.common import (
+    Dropped,
+    find,
+    lines_of,
+    nanoseconds,
+    numbered,
+    numbers,
+    recording,
+    track,
+    unusable,
+)
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.models.anchors import make_anchors
 from wsn_tracking.sensing.recording import Recording
@@ -40,10 +50,11 @@ def load(src: Path) -> Recording:
     A row with an impossible value was damaged on the wire: the value is counted (`absurd_rssi`), and none
     of its row is used (`damaged_row`). Nodes without a place are counted as well (`no_position`).
     """
-    plan = read_plan(find(src, 'AP_Pixel_Based_Locations.txt'), find(src, 'Area_dimension.txt'))
+    log, folder = find(src, 'ZigNav_logs*.txt'), src if src.is_dir() else src.parent
+    plan = read_plan(find(folder, 'AP_Pixel_Based_Locations.txt'), find(folder, 'Area_dimension.txt'))
     dropped: Dropped = Counter()
     epochs = []
-    for line in lines_of(find(src, 'ZigNav_logs*.txt')):
+    for line in lines_of(log):
         match = LINE.fullmatch(line)
         try:
             if match is None:
@@ -64,17 +75,19 @@ def read_plan(places: Path, dimension: Path) -> Plan:
     try:
         width, height, pixels, metres = numbers(lines_of(dimension)[1].split(','))
         scale = metres / pixels
-        positions = {}
-        for line in lines_of(places):
-            x, y, _, number = line.split(';')
-            px, py, node = numbers([x, y, number])
-            positions[int(node)] = (px * scale, (height - py) * scale)
-        area = f'0 0 {width * scale:.6g} {height * scale:.6g}'
     except (ValueError, IndexError, ZeroDivisionError) as error:
         raise TrackingError(
-            f'{places} and {dimension.name} tell no places as expected (px;py;name;id and width,height,pixels,metres): '
-            f'{error}'
+            f'{dimension} tells no width,height,pixels,metres in its second line as expected: {error}'
         ) from None
+    positions = {}
+    for line, text in numbered(places):
+        try:
+            x, y, _, number = text.split(';')
+            px, py, node = numbers([x, y, number])
+        except ValueError as reason:
+            raise unusable(places, line, 'px;py;name;id are', reason) from None
+        positions[int(node)] = (px * scale, (height - py) * scale)
+    area = f'0 0 {width * scale:.6g} {height * scale:.6g}'
     if TARGET not in positions or len(positions) < 2 or not (scale > 0.0 and width > 0.0 and height > 0.0):
         raise TrackingError(f'{places} places nodes {sorted(positions)}: node {TARGET} and others are expected')
     return Plan(positions, area)
