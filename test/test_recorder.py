@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import signal
+from contextlib import contextmanager
 
 from std_msgs.msg import String
 from wsn_tracking_msgs import msg
@@ -36,10 +37,10 @@ def test_a_recorder_that_stands_still_until_the_feed_has_ended_loses_nothing(tmp
     assert sorted(map(repr, kept.messages)) == sorted(map(repr, sent.messages))
 
 
-def test_a_recorder_says_what_was_listed_and_has_not_come(tmp_path):
-    recorder = graphs.Process(
-        'bag_recorder_node', RECORDER, {'output': str(tmp_path / 'out'), 'targets': [1], 'silence': 0.2}
-    )
+@contextmanager
+def alone(folder):
+    """A recorder without a feed that has got two readings: its process, and the publisher that ends its epochs."""
+    recorder = graphs.Process('bag_recorder_node', RECORDER, {'output': str(folder), 'silence': 0.2})
     with (
         live.private_domain() as environment,
         observing(environment) as observer,
@@ -51,7 +52,21 @@ def test_a_recorder_says_what_was_listed_and_has_not_come(tmp_path):
         for seq in (4, 6):
             readings.publish(msg.RssiMeasurement(node_id=seq, target_id=1, seq=seq, rssi_dbm=-50.0))
         observer.until(lambda: observer.told(f'/{RECORDER}').get('rssi') == '2', TIMEOUT, 'two readings')
+        yield running[RECORDER], ends
+
+
+def test_a_recorder_says_what_was_listed_and_has_not_come(tmp_path):
+    with alone(tmp_path / 'out') as (recorder, ends):
         ends.publish(msg.EpochEnd(target_id=1, topic='rssi', node_ids=[4, 5, 6], seqs=[4, 5, 6], final=True))
-        output, _ = running[RECORDER].communicate(timeout=TIMEOUT)
-    assert running[RECORDER].returncode == 1
+        output, _ = recorder.communicate(timeout=TIMEOUT)
+    assert recorder.returncode == 1
     assert 'rssi: 1 of 3 messages have not come' in output
+
+
+def test_an_interrupted_recorder_finishes_its_bag_and_says_what_it_holds(tmp_path):
+    with alone(tmp_path / 'out') as (recorder, _):
+        recorder.send_signal(signal.SIGINT)
+        output, _ = recorder.communicate(timeout=TIMEOUT)
+    assert recorder.returncode == 0
+    assert output.strip() == f"{tmp_path / 'out'}: {{'rssi': 2}}"
+    assert 'message_count: 2' in (tmp_path / 'out' / 'metadata.yaml').read_text()

@@ -82,9 +82,12 @@ class BagRecorderNode(TrackingNode[RecorderConfig]):
         """Finalise the bag, whatever ended the node."""
         try:
             self._writer.close()
-            self.get_logger().info(f'{self.config.output}: {dict(self._counts)}')
+            told, wrong = self.get_logger().info, self.get_logger().error
+            if not self.context.ok():  # nobody takes log messages of a node that was interrupted
+                told = wrong = print
+            told(f'{self.config.output}: {dict(self._counts)}')
             for topic, count in self._missing.items():
-                self.get_logger().error(f'{topic}: {count} of {self._listed[topic]} messages have not come')
+                wrong(f'{topic}: {count} of {self._listed[topic]} messages have not come')
         finally:
             super().destroy_node()
 
