@@ -7,7 +7,11 @@ import signal
 import subprocess
 
 import pytest
-from wsn_tracking_msgs.msg import TargetEstimate
+import rclpy
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
+from rclpy.duration import Duration
+from std_msgs.msg import String
+from wsn_tracking_msgs import msg
 
 import live
 from observer import observing
@@ -15,7 +19,7 @@ from wsn_tracking import graphs
 from wsn_tracking.graphs import Process
 from wsn_tracking.node_parameters.executables import EXECUTABLES
 from wsn_tracking.nodes import qos
-from wsn_tracking.processes import executable
+from wsn_tracking.processes import ended, executable
 
 TIMEOUT = 30.0  # [s]
 STANDALONE = sorted(set(EXECUTABLES) - {'bag_player_node'})  # the player needs a bag
@@ -112,7 +116,7 @@ def test_the_others_go_on_when_an_estimator_is_killed(tmp_path):
         observing(environment) as observer,
         live.started(graph, environment) as running,
     ):
-        fused = observer.collect(TargetEstimate, 'estimate/fused_2', qos.ESTIMATES)
+        fused = observer.collect(msg.TargetEstimate, 'estimate/fused_2', qos.ESTIMATES)
         observer.until(lambda: any(e.request_seq >= 20 for e in fused), TIMEOUT, 'epoch 20 of fused_2')
         running['estimator_2'].kill()
         player, _ = running['bag_player'].communicate(timeout=TIMEOUT)
@@ -134,7 +138,7 @@ def test_a_restarted_estimator_takes_part_within_5_s(tmp_path):
         observing(environment) as observer,
         live.started(list(graph.values()), environment) as running,
     ):
-        fused = observer.collect(TargetEstimate, 'estimate/fused_1', qos.ESTIMATES)
+        fused = observer.collect(msg.TargetEstimate, 'estimate/fused_1', qos.ESTIMATES)
 
         def reaches(condition):
             return lambda: any(condition(e) for e in fused)
@@ -166,3 +170,35 @@ def test_nodes_of_simulated_time_wait_for_no_clock():
     ]
     with live.private_domain() as environment, live.started(graph, environment) as running:
         assert 'sent 120 epochs' in live.wait_all(running, ['world'], 2.0 * TIMEOUT)['world']
+
+
+def test_the_evaluator_counts_what_its_own_graph_has_dropped(tmp_path):
+    """On /diagnostics every graph of the domain is heard, and drivers whose counters are no numbers."""
+    scores = tmp_path / 'scores.json'
+    told = {'/robot1/sensing': '3', '/robot2/sensing': '50', '/sensing': '700', '/robot1/camera': 'a few'}
+    statuses = [
+        DiagnosticStatus(name=name, values=[KeyValue(key='dropped.late', value=count)]) for name, count in told.items()
+    ]
+    words = ['-r', '__ns:=/robot1', '-p', 'outputs:=[none]', '-p', 'output_timeout:=0.1', '-p', f'json:={scores}']
+    with live.private_domain() as environment, observing(environment) as observer:
+        diagnostics = observer.node.create_publisher(DiagnosticArray, '/diagnostics', qos.ESTIMATES)
+        ends = observer.node.create_publisher(msg.EpochEnd, '/robot1/epoch_end', qos.MEASUREMENTS)
+        with ended([str(executable('evaluator_node')), '--ros-args', *words], env=environment) as evaluator:
+            observer.until(lambda: diagnostics.get_subscription_count() == 2, TIMEOUT, 'both listen to diagnostics')
+            observer.until(lambda: ends.get_subscription_count() == 1, TIMEOUT, 'the evaluator listens')
+            diagnostics.publish(DiagnosticArray(status=statuses))
+            assert diagnostics.wait_for_all_acked(Duration(seconds=TIMEOUT))
+            ends.publish(msg.EpochEnd(target_id=1, final=True))
+            evaluator.wait(TIMEOUT)
+    assert json.loads(scores.read_text())['input'] == {'late': 3}
+
+
+def test_a_feed_outlives_the_recorder_of_its_own_graph_only():
+    """Another graph of the domain may record for long."""
+    words = ['-r', '__ns:=/a', '-p', 'expected_nodes:=[bag_recorder]', '-p', 'rate:=0.0', '-p', 'output_timeout:=600.0']
+    with live.private_domain() as environment, observing(environment) as observer:
+        other = rclpy.create_node('bag_recorder', namespace='/b', context=observer.node.context)
+        other.create_publisher(String, '/a/ready', qos.LATCHED).publish(String(data='bag_recorder'))
+        with ended([str(executable('world_node')), '--ros-args', *words], env=environment) as world:
+            assert world.wait(2.0 * TIMEOUT) == 0
+        other.destroy_node()

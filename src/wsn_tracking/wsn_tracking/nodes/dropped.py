@@ -19,7 +19,8 @@ def dropped_input(told: Iterable[Mapping[str, str]], *, several_targets: bool = 
     """
     alike: dict[tuple[str, str], Counter[str]] = {}
     for number, values in enumerate(told):
-        dropped = Counter({name[len(PREFIX) :]: int(n) for name, n in values.items() if name.startswith(PREFIX)})
+        counts = {name[len(PREFIX) :]: n for name, n in values.items() if name.startswith(PREFIX)}
+        dropped = Counter({reason: int(n) for reason, n in counts.items() if n.isdecimal()})
         key = values.get('system', ''), values.get('hears', f'process {number}')
         alike[key] = alike.get(key, Counter()) | dropped
     systems: dict[str, Counter[str]] = {}

@@ -95,8 +95,9 @@ class EvaluatorNode(TrackingNode[EvaluatorConfig]):
 
     def _diagnosed(self, array: DiagnosticArray) -> None:
         for status in array.status:
-            name = status.name.rpartition('/')[2]
-            self._told[name] = {pair.key: pair.value for pair in status.values}
+            namespace, _, name = status.name.rpartition('/')
+            if (namespace or '/') == self.get_namespace():  # /diagnostics has those of other graphs as well
+                self._told[name] = {pair.key: pair.value for pair in status.values}
 
     def _finish(self) -> None:
         """The feed has ended: wait for the last outputs and counts, at most `output_timeout`, and tell.

@@ -127,7 +127,8 @@ class FeedNode(TrackingNode[Config]):
         elif now < self._look_at:
             return
         self._look_at = now + LOOK
-        waits = RECORDER in self.config.expected_nodes and RECORDER in self.get_node_names()
+        recorder = (RECORDER, self.get_namespace())  # one of another graph is none of ours
+        waits = RECORDER in self.config.expected_nodes and recorder in self.get_node_names_and_namespaces()
         if not waits or now - self._finished > 2.0 * self.config.output_timeout:
             raise Finished(1 if self._window.given_up else 0)
 
