@@ -94,6 +94,21 @@ def test_a_request_that_nobody_heard_is_an_epoch():
     assert [end.node_ids for end in ends_of(back)] == [NODES, (), NODES]
 
 
+@pytest.mark.parametrize('later', [4 * SECOND, 1000 * SECOND, 0, -100 * SECOND])
+def test_numbers_that_begin_anew_are_epochs_of_their_own(later):
+    """A target that was restarted, and a bag that was looped: every epoch has its end where it was."""
+    bag = recording(m._replace(final=False) if isinstance(m, EpochEnd) else m for m in complete())
+    again = recording((*bag.messages, *complete(start=START + later)))
+    assert with_epoch_ends(recording(without(again.messages, EpochEnd))) == again
+
+
+def test_a_request_that_came_twice_asks_once():
+    messages = without(complete(), EpochEnd)
+    for place, echo in ((1, messages[0]), (9, messages[4]._replace(stamp_ns=messages[4].stamp_ns + MILLISECOND))):
+        twice = [*messages[:place], echo, *messages[place:]]
+        assert ends_of(with_epoch_ends(recording(twice))) == ends_of(recording(complete()))
+
+
 def test_a_repeated_packet_is_listed_once():
     messages = without(complete(1), EpochEnd)
     back = with_epoch_ends(recording([*messages, messages[1]]))

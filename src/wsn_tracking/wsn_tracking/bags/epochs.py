@@ -2,25 +2,13 @@
 
 from __future__ import annotations
 
-from bisect import bisect_left
-from collections import Counter, defaultdict
-from collections.abc import Iterable, Mapping, Sequence
+from collections import Counter
+from collections.abc import Mapping, Sequence
 
+from wsn_tracking.bags.derived import MEASUREMENTS, derived, end_of
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.sensing.recording import Message, Recording, epoch_key
-from wsn_tracking.sensing.values import (
-    EpochEnd,
-    Measurement,
-    Range,
-    RangeBearing,
-    Request,
-    Rssi,
-    TriggerReport,
-)
-
-Key = tuple[int, int]  # target_id, request_seq: an epoch
-Item = Measurement | TriggerReport
-MEASUREMENTS = (Rssi, Range, RangeBearing)
+from wsn_tracking.sensing.values import EpochEnd, Request
 
 
 def with_epoch_ends(recording: Recording, tolerance_s: float = 0.05) -> Recording:
@@ -30,8 +18,8 @@ def with_epoch_ends(recording: Recording, tolerance_s: float = 0.05) -> Recordin
     but the bag does not hold is taken from the list (`listed_missing`), and an epoch begun after the last
     EpochEnd is left out (`unfinished_epoch`): the recording was cut there. Else they are derived:
 
-    - with requests: measurements belong to the request that they name, or, where there is none, to the
-      nearest in time within the tolerance;
+    - with requests: measurements belong to the request that they name (to the nearest in time, where a restarted
+      target has used its number again), or, where there is none, to the nearest in time within the tolerance;
     - without: in the order of the stamps, packets of a target within the tolerance of an epoch's first
       are that epoch; its Request gets that stamp and the next number, the measurements that number.
 
@@ -43,13 +31,7 @@ def with_epoch_ends(recording: Recording, tolerance_s: float = 0.05) -> Recordin
     messages = recording.messages
     if any(isinstance(m, EpochEnd) and _level(m) == recording.entry_level for m in messages):
         return _completed(recording)
-    tolerance_ns = round(tolerance_s * 1e9)
-    rest = [m for m in messages if not isinstance(m, EpochEnd)]
-    if any(isinstance(m, Request) for m in rest):
-        assigned, lost = _by_request(rest, tolerance_ns)
-    else:
-        assigned, lost = _by_stamp(rest, tolerance_ns), 0
-    ended = _with_ends(assigned, recording.entry_level)
+    ended, lost = derived(messages, recording.entry_level, round(tolerance_s * 1e9))
     return recording._replace(messages=ended, dropped=_counted(recording.dropped, {'no_epoch': lost}))
 
 
@@ -83,7 +65,7 @@ def _completed(recording: Recording) -> Recording:
             listed = list(zip(message.node_ids, message.seqs, strict=False))
             kept = [entry for entry in listed if (*epoch_key(message), *entry) in held]
             dropped['listed_missing'] += max(len(message.node_ids), len(message.seqs)) - len(kept)
-            out.append(_end(message, kept, level, place == last[message.target_id]))
+            out.append(end_of(message, kept, level, place == last[message.target_id]))
     whole, dropped['request_rebuilt'] = _with_requests(out)
     return recording._replace(messages=whole, dropped=_counted(recording.dropped, dropped))
 
@@ -102,78 +84,3 @@ def _with_requests(messages: Sequence[Message]) -> tuple[tuple[Message, ...], in
             out.append(Request(stamps[key], *key))
         out.append(message)
     return tuple(out), rebuilt
-
-
-def _end(like: EpochEnd, listed: Sequence[tuple[int, int]], level: str, final: bool) -> EpochEnd:
-    nodes, seqs = tuple(node for node, _ in listed), tuple(seq for _, seq in listed)
-    return like._replace(topic=level, node_ids=nodes, seqs=seqs, final=final)
-
-
-def _by_request(messages: Sequence[Message], tolerance_ns: int) -> tuple[list[Message], int]:
-    """Every message with the request it belongs to; and how many belong to none."""
-    requests: dict[int, list[Request]] = defaultdict(list)
-    for message in messages:
-        if isinstance(message, Request):
-            requests[message.target_id].append(message)
-    for group in requests.values():
-        group.sort(key=lambda request: request.stamp_ns)
-    known = {epoch_key(request) for group in requests.values() for request in group}
-    placed: list[Message] = []
-    lost = 0
-    for message in messages:
-        if isinstance(message, (Request, EpochEnd)) or epoch_key(message) in known:
-            placed.append(message)
-            continue
-        near = _nearest(requests[message.target_id], message.stamp_ns)
-        if near is not None and abs(near.stamp_ns - message.stamp_ns) <= tolerance_ns:
-            placed.append(message._replace(request_seq=near.seq))
-        else:
-            lost += 1
-    return placed, lost
-
-
-def _nearest(requests: Sequence[Request], stamp_ns: int) -> Request | None:
-    """Of requests ascending in time, the nearest to an instant."""
-    at = bisect_left(requests, stamp_ns, key=lambda request: request.stamp_ns)
-    around = requests[max(at - 1, 0) : at + 1]
-    return min(around, key=lambda request: abs(request.stamp_ns - stamp_ns), default=None)
-
-
-def _by_stamp(messages: Iterable[Message], tolerance_ns: int) -> list[Message]:
-    """Requests made from stamps, and every message with the number of the request made for it."""
-    of_target: dict[int, list[Item]] = defaultdict(list)
-    for message in messages:
-        if not isinstance(message, (Request, EpochEnd)):
-            of_target[message.target_id].append(message)
-    epochs: list[tuple[Request, list[Item]]] = []
-    for target_id, items in of_target.items():
-        seq = -1
-        for item in sorted(items, key=lambda m: m.stamp_ns):  # stable: the log's order where stamps are equal
-            if seq < 0 or item.stamp_ns - epochs[-1][0].stamp_ns > tolerance_ns:
-                seq += 1
-                epochs.append((Request(item.stamp_ns, target_id, seq), []))
-            epochs[-1][1].append(item._replace(request_seq=seq))
-    epochs.sort(key=lambda epoch: epoch[0].stamp_ns)
-    return [message for request, items in epochs for message in (request, *items)]
-
-
-def _with_ends(messages: Sequence[Message], level: str) -> tuple[Message, ...]:
-    """An EpochEnd after the last message of each epoch, those of a target in the order of its requests."""
-    requests: dict[Key, Request] = {}
-    closes: dict[Key, int] = {}
-    listed: dict[Key, dict[tuple[int, int], None]] = defaultdict(dict)
-    for place, message in enumerate(messages):
-        key = epoch_key(message)
-        closes[key] = place
-        if isinstance(message, Request):
-            requests.setdefault(key, message)
-        elif isinstance(message, MEASUREMENTS):
-            listed[key][message.node_id, message.seq] = None  # a repeated packet is listed once
-    latest: dict[int, int] = {}
-    final = {key[0]: key for key in requests}
-    ends: dict[int, list[EpochEnd]] = defaultdict(list)
-    for key, request in requests.items():
-        latest[key[0]] = max(latest.get(key[0], -1), closes[key])
-        empty = EpochEnd(request.stamp_ns, *key, level, (), ())
-        ends[latest[key[0]]].append(_end(empty, list(listed[key]), level, final[key[0]] == key))
-    return tuple(item for place, message in enumerate(messages) for item in (message, *ends[place]))

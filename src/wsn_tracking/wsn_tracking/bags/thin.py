@@ -8,7 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wsn_tracking.bags.epochs import MEASUREMENTS, with_epoch_ends
+from wsn_tracking.bags.derived import MEASUREMENTS
+from wsn_tracking.bags.epochs import with_epoch_ends
 from wsn_tracking.models.anchors import Mask
 from wsn_tracking.models.links import Loss, gamma, hashed_uniform
 from wsn_tracking.sensing.recording import Message, Recording, epoch_key

@@ -52,7 +52,8 @@ def _number(text: str, low: float, high: float, expected: str) -> float:
 
 
 def _do(options: argparse.Namespace) -> int:
-    from wsn_tracking.bags.epochs import MEASUREMENTS, with_epoch_ends
+    from wsn_tracking.bags.derived import MEASUREMENTS
+    from wsn_tracking.bags.epochs import with_epoch_ends
     from wsn_tracking.bags.read import read
     from wsn_tracking.bags.save import save
     from wsn_tracking.bags.thin import thin

@@ -154,7 +154,8 @@ def mobility(config: BodyConfig) -> Mobility:
         raise TrackingError(f'`fastest` {config.fastest:g} m/s is below `slowest` {config.slowest:g} m/s')
     if 0.0 < config.turn_after < config.period:
         raise TrackingError(
-            f'`turn_after` {config.turn_after:g} s is shorter than an epoch, {config.period:g} s: expected at least that'
+            f'`turn_after` {config.turn_after:g} s is shorter than an epoch, {config.period:g} s: '
+            'expected at least that, or 0'
         )
     if 2.0 * config.margin >= min(config.width, config.depth):
         raise TrackingError(f'`margin` {config.margin:g} m leaves nothing of {config.width:g} x {config.depth:g} m')
