@@ -2,18 +2,19 @@
 
 | group | test |
 |---|---|
-| garbage, boot text, partial frames, one byte at a time, several frames in a read | `test_line_that_damages_no_frame` |
+| garbage, boot text, partial frames, single bytes, several frames in a read | `test_line_that_damages_no_frame_loses_nothing` |
 | bad FCS, LEN > 250, corrupted LEN | `test_damaged_frame_is_lost_alone` |
-| sink reset in mid-run | `test_reset_in_mid_run` |
-| unplug and replug under another name | `test_unplug_and_replug_under_another_name` |
+| sink reset in mid-run | `test_reset_in_mid_run_loses_nothing` |
+| unplug and replug under another name | `test_replug_under_another_name_is_found` |
 | a mute sink | `test_mute_sink_is_opened_again` |
-| stale input at open | `test_stale_input_at_open` |
+| stale input at open | `test_stale_input_is_not_taken` |
 | duplicates by APS retry and by relayed broadcasts | `test_repeated_messages_count_once` |
 | reordering | `test_overtaken_messages_are_kept` |
 | lost seq | `test_lost_messages_are_counted_by_their_numbers` |
 | wraps of seq, t_ms and the sink clock | `test_wraps_leave_no_trace` |
 | node reboot | `test_rebooted_nodes_are_new_and_no_duplicates` |
-| the same node_id from a new address, or from two at once | `test_rejoined_nodes_go_on`, `test_two_radios_of_one_id` |
+| the same node_id from a new address | `test_rejoined_nodes_go_on` |
+| the same node_id from two addresses at once | `test_two_radios_of_one_id_are_a_conflict` |
 | RPC error, missing and late SRSP | `test_host_gets_there_in_spite_of_bad_answers` |
 | payload CRC, unknown version, foreign cluster or endpoint | `test_what_is_not_ours_is_counted_and_ignored` |
 | a full host queue | `test_full_queue_drops_the_oldest` |
@@ -63,7 +64,7 @@ def patient(**changes):
 @pytest.mark.parametrize(
     'fault', ['garbage=0.5', 'boot_text=0.5', 'partial=0.3', 'byte_at_a_time', 'batch=7', 'long_len=0.5']
 )
-def test_line_that_damages_no_frame(radio, host, fault):
+def test_line_that_damages_no_frame_loses_nothing(radio, host, fault):
     sink = radio(fault)
     assert host().through(sink).measured == ALL
     assert strikes(sink)
@@ -82,7 +83,7 @@ def test_damaged_frame_is_lost_alone(radio, host, fault, counter):
     assert heard.counters['lost'] == heard.counters['duplicates'] == 0
 
 
-def test_stale_input_at_open(radio, host):
+def test_stale_input_is_not_taken(radio, host):
     sink = radio('stale', 'boot_text=0')
     heard = host().through(sink)
     assert heard.measured == ALL
@@ -106,13 +107,13 @@ def fall_out(sink, heard, event, seconds, back):
     assert not set(heard.measured) & set(expected(PARTS[1][:1]))  # the outage was one
 
 
-def test_reset_in_mid_run(radio, host):
+def test_reset_in_mid_run_loses_nothing(radio, host):
     sink, heard = radio(world=PARTS[0]), host()
     fall_out(sink, heard, Event.RESET, 0.0, lambda: heard.until_up(2))
     assert (heard.counters['resets'], heard.counters['lost'], heard.counters['attached']) == (1, 0, 2)
 
 
-def test_unplug_and_replug_under_another_name(radio, host, link):
+def test_replug_under_another_name_is_found(radio, host, link):
     sink, heard = radio(world=PARTS[0]), host()
     until(lambda: heard.events('up'), 'the link')
     before = os.path.realpath(link)
@@ -192,7 +193,7 @@ def test_rejoined_nodes_go_on(radio, host):
     assert heard.counters['address_conflicts'] == heard.counters['node_restarts'] == 0
 
 
-def test_two_radios_of_one_id(radio, host):
+def test_two_radios_of_one_id_are_a_conflict(radio, host):
     sink = radio('two_addresses=0.5')
     heard = host().through(sink)
     assert heard.measured == measured(sink.given)

@@ -63,6 +63,13 @@ def attached(sink, now=0.0):
     return sink
 
 
+def joined(flavour='home_1_2'):
+    """An attached sink with a mote in its network."""
+    sink = attached(device(flavour))
+    sink.chip.motes[MOTE.short] = MOTE
+    return sink
+
+
 def epochs(count=5, nodes=4, period=1.0, robot=1, **more):
     """Node k hears -40 - k - 0.3 dBm."""
     return [

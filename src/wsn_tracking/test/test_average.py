@@ -100,7 +100,7 @@ def test_no_samples_count_as_one():
         (bearing(0, arrived=False), True),
     ],
 )
-def test_what_can_be_true(packet, verdict):
+def test_a_packet_is_usable_if_it_can_be_true(packet, verdict):
     assert usable(packet) is verdict
 
 

@@ -157,7 +157,7 @@ def test_the_fast_likelihood_is_the_equations_one_by_one(kernel, excess):
     least=st.floats(0.01, 0.5),
     lost=st.sampled_from([0.0, 0.5]),
 )
-def test_of_any_body_too(kernel, seed, sharpness, least, lost):
+def test_the_likelihood_of_any_body_is_the_dense_one(kernel, seed, sharpness, least, lost):
     check(kernel._replace(sharpness=sharpness, least=least), case(seed=seed, lost=lost))
 
 

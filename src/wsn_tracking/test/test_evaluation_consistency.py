@@ -53,7 +53,7 @@ def test_a_quantile_that_does_not_exist_is_refused(p, dof):
         chi_square_quantile(p, dof)
 
 
-def test_interval_of_a_table_book():
+def test_the_interval_is_that_of_a_table_book():
     # Fifty epochs in two dimensions: chi-square with 100 degrees of freedom lies in [74.22, 129.56].
     low, high = nees_interval(50)
     assert low == pytest.approx(74.2219 / 50, abs=1e-5)
@@ -121,7 +121,7 @@ def test_effective_epochs_are_batched_and_within_their_bounds():
         ([1.0, 5.0] * 20, 40.0),
     ],
 )
-def test_degenerate_series(series, worth):
+def test_degenerate_series_are_worth_what_they_hold(series, worth):
     assert effective_epochs(np.array(series, dtype=np.float64)) == pytest.approx(worth)
 
 

@@ -12,7 +12,7 @@ errors_of_runs = arrays(np.float64, st.tuples(st.integers(1, 3), st.integers(1, 
 HAND = np.array([[3.0, -4.0], [0.0, 0.0], [-1.0, 0.0], [0.0, 2.0]])  # distances 5, 0, 1, 2
 
 
-def test_hand_computed_case():
+def test_metrics_are_those_computed_by_hand():
     assert metrics.rmse(HAND) == pytest.approx(np.sqrt((25 + 0 + 1 + 4) / 4))
     assert metrics.percentile(HAND, 50.0) == 1.5
     assert metrics.percentile(HAND, 95.0) == pytest.approx(2.0 + 0.85 * 3.0)

@@ -41,7 +41,7 @@ def outputs(names=('local_1', 'fused_1')):
     }
 
 
-def test_three_pngs_of_a_sensible_size(tmp_path, anchors):
+def test_a_run_is_drawn_in_three_pngs_of_a_sensible_size(tmp_path, anchors):
     pytest.importorskip('matplotlib')
     truth, _ = noisy_track()
     written = plot_all(tmp_path / 'plots', anchors, {7: truth}, outputs(), AREA, title='a_loop')

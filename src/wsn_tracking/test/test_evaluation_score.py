@@ -12,7 +12,7 @@ from wsn_tracking.evaluation.score import match, score
 from wsn_tracking.trackers.estimate import Kind
 
 
-def test_hand_computed_score():
+def test_a_score_is_that_computed_by_hand():
     truth = line_truth(4)
     errors = np.array([[3.0, -4.0], [0.0, 0.0], [-1.0, 0.0], [0.0, 2.0]])
     result = score(track(truth, errors, 2.0 * EYE), truth, skip_s=0.0)

@@ -54,7 +54,7 @@ def test_input_lines_name_reasons_and_leave_out_what_never_happened():
         (Traffic(0, 0, 12), '0 of 0 in radius, of 12 received (0.0 %)'),
     ],
 )
-def test_sent_line_of_unusual_traffic(traffic, told):
+def test_sent_line_tells_unusual_traffic_too(traffic, told):
     assert told in row(format_table(a_summary(traffic=traffic)), 'sent')
 
 

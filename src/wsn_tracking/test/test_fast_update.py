@@ -52,7 +52,7 @@ def test_fast_update_is_the_qr_update(seed, shape, passes, kappa):
 
 @properties
 @given(seeds, shapes, st.sampled_from([1, 3]), kappas)
-def test_with_an_offset_a_link(seed, shape, passes, kappa):
+def test_fast_update_is_the_qr_update_with_an_offset_a_link(seed, shape, passes, kappa):
     """h looks at the position, the last twelve states are added to what it reads."""
     rng = np.random.default_rng(seed)
     planar, _ = drawn(seed, shape)

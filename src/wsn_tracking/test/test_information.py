@@ -176,7 +176,7 @@ def test_a_target_at_another_height_is_further_away():
 
 @properties
 @given(seeds, st.sampled_from([(), (3,), (20, 5)]))
-def test_information_form_and_back(seed, shape):
+def test_information_form_leads_back_to_the_belief(seed, shape):
     belief, _, _ = drawn(seed, *shape)
     there = to_information(belief)
     assert there.matrix @ belief.P == pytest.approx(np.broadcast_to(np.eye(4), belief.P.shape), abs=1e-7)

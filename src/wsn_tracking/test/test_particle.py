@@ -182,7 +182,7 @@ def test_ancestors_are_those_of_whole_paths(batch):
     assert not past.before(0.0)
 
 
-def test_ancestors_of_another_number_of_particles():
+def test_ancestors_are_found_among_another_number_of_particles():
     past = Ancestry(1.0)
     past.add(0.0, np.array([[10.0, 20.0, 30.0]]), np.eye(1), None)
     past.add(0.5, np.array([[1.0, 2.0]]), np.eye(1), np.array([2, 0]))
@@ -214,7 +214,7 @@ def test_epochs_of_one_instant_do_not_divide_by_zero():
     assert np.all(past.at(-1.0).values == 1.0)
 
 
-def test_parents_of_parents():
+def test_parents_of_parents_are_grandparents():
     a, b = np.array([3, 3, 0, 1]), np.array([1, 2, 2, 0])
     np.testing.assert_array_equal(descended(a, b), [3, 0, 0, 3])
     assert descended(None, a) is a

@@ -19,7 +19,7 @@ def test_range_and_rssi_are_each_others_inverse(distance, n, p1_dbm, d0):
     np.testing.assert_allclose(range_at(anchors, rssi_at(anchors, d)), np.maximum(d, MIN_RANGE), rtol=1e-11)
 
 
-def test_the_documents_radio():
+def test_the_radio_is_the_documents():
     anchors = LOOP.anchors
     assert rssi_at(anchors, np.full(12, 1.0)) == pytest.approx(-45.0)
     assert rssi_at(anchors, np.full(12, 10.0)) == pytest.approx(-75.0)
@@ -57,7 +57,7 @@ def test_distances_are_three_dimensional():
     np.testing.assert_allclose(measurement.distances(anchors, states, height=0.4), expected)
 
 
-def test_functions_of_a_calibrated_radio():
+def test_functions_of_a_calibrated_radio_take_its_scale_and_bias():
     anchors = small_anchors(scale=[1.1, 1.0, 0.9], bias=[0.2, 0.0, -0.1])
     x = np.random.default_rng(1).random((2, 5, 4))
     d = measurement.distances(anchors, x, 0.3)

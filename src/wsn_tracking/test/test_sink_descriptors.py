@@ -1,6 +1,6 @@
 """What a simulated sink and its motes say of themselves."""
 
-from sink_cases import MOTE, asked, attached, by_and_by, data_of, device, frame
+from sink_cases import MOTE, asked, attached, by_and_by, data_of, device, frame, joined
 from zstack_cases import line_bytes
 
 from wsn_tracking.zstack import commands as c
@@ -35,8 +35,7 @@ def test_sink_describes_itself():
 
 
 def test_motes_answer_and_strangers_do_not():
-    sink = attached(device())
-    sink.chip.motes[MOTE.short] = MOTE
+    sink = joined()
     assert asked(sink, encode_frame(frame(0x2505, '3E14 3E14')), 2.0)[0].data == b'\x00'
     (active,) = sink.advance(3.0)
     assert active.data == bytes.fromhex('3E14 00 3E14 01 E8')
@@ -72,8 +71,7 @@ def test_message_to_the_profile_is_answered_as_the_message_that_it_is():
 
 
 def test_every_request_for_a_descriptor_is_answered_in_its_kind():
-    sink = attached(device())
-    sink.chip.motes[MOTE.short] = MOTE
+    sink = joined()
     mote_ieee = MOTE.ieee.to_bytes(8, 'little').hex()
     for k, (header, data, answer) in enumerate(
         (

@@ -71,7 +71,7 @@ def test_faults_of_the_air_on_the_other_sinks(fault, protocol):
     assert len(host.reports) == len(ALL) - lost
 
 
-def test_second_radio_with_the_same_id():
+def test_second_radio_with_the_same_id_is_a_conflict():
     host = ran('two_addresses=0.5')
     counters, heard = judged(host)
     assert counters['address_conflicts'] > 10

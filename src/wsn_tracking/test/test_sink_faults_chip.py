@@ -55,7 +55,7 @@ def test_refused_requests_are_not_done():
     assert not host.simulator.delivers
 
 
-def test_sink_without_network_information():
+def test_sink_without_network_information_delivers_all_the_same():
     host = Host(faults=('no_network_info',))
     host.attach()
     host.say(c.ZdoExtNwkInfo(), c.SysPing())

@@ -65,7 +65,7 @@ def test_boot_text_and_stale_input_are_there_at_the_plug():
     assert len(host.reports) == 3  # old ones; the host drops what comes before it asks
 
 
-def test_wrong_check_in_lines_of_text():
+def test_line_of_text_with_a_wrong_check_is_rejected():
     host = ran('bad_fcs=0.3', sink_protocol='ascii')
     assert set(host.bad()) == {'line_checksum'}
     assert len(host.reports) + len(host.bad()) == len(ALL)

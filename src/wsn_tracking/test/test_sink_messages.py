@@ -1,15 +1,14 @@
 """Messages through a simulated sink, to motes and to its host."""
 
 import pytest
-from sink_cases import MOTE, REGISTER, asked, attached, by_and_by, data_of, device
+from sink_cases import MOTE, REGISTER, asked, attached, by_and_by, data_of, device, joined
 from zstack_cases import message, report_payload
 
 from wsn_tracking.zstack import commands as c
 
 
 def test_message_to_a_mote_is_confirmed_and_kept():
-    sink = attached(device())
-    sink.chip.motes[MOTE.short] = MOTE
+    sink = joined()
     for k, (dst, status) in enumerate(((MOTE.short, 0), (0xFFFF, 0), (0x5555, 0xCD))):
         request = c.AfDataRequest(dst, 0xE8, 0xE8, 0x10, 7, 0, 30, b'abc')
         assert asked(sink, request, 2.0 + k) == [c.AfDataRequestRsp(0)]
@@ -28,8 +27,7 @@ def test_message_to_a_mote_is_confirmed_and_kept():
     ],
 )
 def test_message_may_go_to_any_kind_of_address(mode_and_address, status, dst):
-    sink = attached(device())
-    sink.chip.motes[MOTE.short] = MOTE
+    sink = joined()
     rest = 'E8 0000 E8 1000 07 00 1E 0300 616263'
     assert data_of(sink, 0x2402, mode_and_address + rest, 2.0) == b'\x00'
     assert by_and_by(sink, 3.0) == [c.AfDataConfirm(status, 0xE8, 7)]

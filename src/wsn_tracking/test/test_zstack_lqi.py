@@ -28,7 +28,7 @@ def test_way_back_is_the_formula_of_the_design(lqi):
     assert strength_of(lqi, SCALES['cc26x2']).rssi_dbm == -90 + math.ceil(lqi / 3)
 
 
-def test_captured_strengths():
+def test_captured_link_qualities_are_the_strengths_that_were_told():
     """LQI 118 of a relay at -42 dBm, 55 at -66 dBm."""
     assert [strength_of(lqi, SCALES['cc2530']).rssi_dbm for lqi in (118, 55)] == [-42, -66]
 

@@ -99,7 +99,7 @@ def test_unknown_values_have_no_number():
     assert record.battery_mv is None
 
 
-def test_units_on_the_wire():
+def test_units_on_the_wire_are_those_of_the_format():
     feedback = encode_payload(Payload(PayloadType.FEEDBACK, 0, 1, 0, (FeedbackRecord(7, 1.5, -2.25, 0.5, -0.06),)))
     assert struct.unpack_from('<Hhhbb', feedback, 12) == (7, 150, -225, 25, -3)
     sensing = encode_payload(Payload(PayloadType.COMMAND, 0, 1, 0, (SensingRecord(3, 1, -90, 0.2, 2.5),)))
