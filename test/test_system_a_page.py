@@ -2,11 +2,12 @@
 
 import json
 import re
+from functools import partial
 
 import pytest
 
 from live import ROOT
-from quotes import quoted
+from quotes import numbers, quoted, table
 
 PAGE = (ROOT / 'docs' / 'system_a.md').read_text('utf-8')
 A = json.loads((ROOT / 'docs' / 'results' / 'system_a.json').read_text())['studies']
@@ -41,22 +42,12 @@ CENTRAL = {
 }
 
 
-def rows(title):
-    """Cells of every row of the table whose heading row begins so."""
-    lines = PAGE[PAGE.index(f'\n| {title}') + 1 :].split('\n\n')[0].split('\n')[2:]
-    return [[cell.strip() for cell in line.strip('|').split('|')] for line in lines]
-
-
-def numbers(*cells):
-    """The numbers in some cells."""
-    return [float(text) for cell in cells for text in re.findall(r'(?<![\w.])[-+]?\d+(?:\.\d+)?(?!\w)', cell)]
+rows = partial(table, PAGE)
 
 
 @pytest.mark.parametrize('name', CENTRAL)
 def test_the_ladders_of_signal_strengths_are_the_studys(name):
-    table = rows(f'`{name}`,')
-    assert len(table) == len(CENTRAL[name])
-    for (key, words), (what, rmse, best, nees) in zip(CENTRAL[name].items(), table, strict=True):
+    for (key, words), (what, rmse, best, nees) in zip(CENTRAL[name].items(), rows(f'`{name}`,'), strict=True):
         assert f'| {what}'.startswith(words)
         found = RADIO[name][key]
         quoted((nees, found['nees']))
