@@ -2,7 +2,7 @@
 
 | group | test |
 |---|---|
-| garbage, boot text, partial frames, single bytes, several frames in a read | `test_line_that_damages_no_frame_loses_nothing` |
+| garbage, boot text, partial frames, single bytes, many at once | `test_line_that_damages_no_frame_loses_nothing` |
 | bad FCS, LEN > 250, corrupted LEN | `test_damaged_frame_is_lost_alone` |
 | sink reset in mid-run | `test_reset_in_mid_run_loses_nothing` |
 | unplug and replug under another name | `test_replug_under_another_name_is_found` |
