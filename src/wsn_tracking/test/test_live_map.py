@@ -80,6 +80,17 @@ def test_age_fades_a_line_until_it_is_gone(live):
     assert np.all(np.diff(rows[1:, 0]) < 0.0)
 
 
+def test_a_truth_that_was_missed_for_a_while_is_not_drawn_as_a_straight_way(live):
+    figure, view, _ = live
+    scene, _, _ = filled()
+    for second, x in ((100, 0.0), (101, 1.0), (102, 2.0), (130, 3.0), (131, 4.0), (132, 5.0)):
+        scene.add_truth(2, second * S, np.array([x, 1.0]))
+    view.draw(scene)
+    lines = [c.get_segments() for c in figure.axes[0].collections if hasattr(c, 'get_segments')]
+    ways = [sorted(piece[:, 0].tolist() for piece in line) for line in lines]
+    assert [[0.0, 1.0], [1.0, 2.0], [3.0, 4.0], [4.0, 5.0]] in ways
+
+
 def test_rings_stay_where_they_are_as_a_track_grows(live):
     _, _, live_track = live
     steps = [live_track.track_step(epochs) for epochs in range(1, 300)]

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
 FAINTEST = 0.08  # strength of what is almost as old as the window
 PAST_ELLIPSES = 8  # about so many along a full track
+BREAK = 8.0  # times as long as is usual between two stamps: nobody knows where the target went meanwhile
 Rgba = tuple[float, float, float, float]
 
 
@@ -33,8 +34,9 @@ class LiveTrail:
 
     def draw(self, trail: Trail, now: int, window: float) -> None:
         """Show it as of `now`, where what is older than `window` [ns] has gone."""
-        self._line.set_segments(segments(trail.positions))
-        self._line.set_color(faded(style.INK, trail.stamps_ns[1:], now, window))
+        known = unbroken(trail.stamps_ns)
+        self._line.set_segments([piece for piece, drawn in zip(segments(trail.positions), known, strict=True) if drawn])
+        self._line.set_color(faded(style.INK, trail.stamps_ns[1:][known], now, window))
         self._head.set_data(*trail.positions[-1:].T)
 
 
@@ -79,6 +81,12 @@ class LiveTrack:
 def track_step(epochs: int) -> int:
     """Epochs between two rings: a power of two, so that a longer track keeps every second one."""
     return 1 << max(0, (epochs // PAST_ELLIPSES).bit_length() - 1)
+
+
+def unbroken(stamps_ns: NDArray[np.int64]) -> NDArray[np.bool_]:
+    """Which of the M - 1 pieces between M stamps are no gaps: whoever only looks on may miss samples of the truth."""
+    steps = np.diff(stamps_ns)
+    return np.asarray(steps <= BREAK * np.median(steps)) if steps.size else np.zeros(0, dtype=np.bool_)
 
 
 def segments(places: Floats) -> list[Floats]:
