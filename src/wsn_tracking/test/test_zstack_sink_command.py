@@ -56,7 +56,16 @@ def test_dump_shows_every_captured_frame(capsys, capture):
     assert 'SRSP RPC_ERROR code=1 cmd0=CD cmd1=AB' in out
 
 
-@pytest.mark.parametrize('text', ['FE 00 21 01 20\nFE 02 61 01 79 01 1A', '0xFE,0x00,0x21,0x01,0x20', 'fe00210120'])
+@pytest.mark.parametrize(
+    'text',
+    [
+        'FE 00 21 01 20\nFE 02 61 01 79 01 1A',
+        '0xFE,0x00,0x21,0x01,0x20',
+        'fe00210120',
+        '\N{ZERO WIDTH NO-BREAK SPACE}FE-00-21-01-20  # a ping\r\n',
+        'FE 00 21 01 20 FE 0',
+    ],
+)
 def test_capture_may_be_written_in_hexadecimal(capsys, capture, text):
     _, out, _ = run(capsys, 'dump', capture(text.encode()))
     assert 'SREQ SYS_PING' in out
@@ -218,6 +227,12 @@ def test_silent_sink_is_an_error_of_one_line(capsys, sink):
     code, _, err = run(capsys, 'probe', sink.link, '--set', 'timeout.ping=0.02', *QUICK)
     assert (code, err.count('\n')) == (1, 1)
     assert 'nothing answers at' in err
+
+
+def test_file_that_cannot_be_read_is_named(capsys):
+    code, out, err = run(capsys, 'dump', '/proc/self/mem')
+    assert (code, out) == (1, '')
+    assert '/proc/self/mem cannot be read (Input/output error)' in err
 
 
 def test_file_too_large_for_a_capture_is_refused(capsys, tmp_path):

@@ -124,7 +124,7 @@ def _run(config: LinkConfig, tap: Tap, duration: float | None, *, questions: boo
         protocol.flush()
         if not any(protocol.counters.get(name) for name in ('frames', 'lines')):
             raise TrackingError(
-                f'nothing in {config.port} ({len(data)} bytes) was said by a {config.sink_protocol} sink: expected '
+                f'nothing in {config.port} ({len(data)} bytes) was said by a sink of {config.sink_protocol}: expected '
                 'what was captured from its line, raw or in hexadecimal; --protocol names another kind of sink'
             )
     else:
