@@ -17,6 +17,8 @@ from wsn_tracking.reproduction.claims import MEASURED
 from wsn_tracking.reproduction.content import content
 from wsn_tracking.reproduction.cross_claims import CLAIMS
 from wsn_tracking.reproduction.cross_fields import FIELDS, Ready, simulated, without_bodies
+from wsn_tracking.reproduction.cross_reading import COLUMNS as READING
+from wsn_tracking.reproduction.cross_reading import reading
 from wsn_tracking.reproduction.cross_systems import CONTENDERS, bodiless, measured
 from wsn_tracking.reproduction.cross_table import COLUMNS, table
 from wsn_tracking.reproduction.page import page
@@ -119,7 +121,9 @@ def test_who_knows_no_bodies_takes_signal_strengths_for_less_certain():
 def plain(full):
     """The table of both kinds of recordings."""
     one = {name: values[:1] for name, values in full.items()}
-    return table({'x a_loop': full, 'x lias': one}, 7, {'danis': 'it is not here.'})
+    return table(
+        {'x a_loop': full, 'x lias': one}, 'made so', {'danis': 'not here.', 'zignav': 'not here.', 'mrclam': 'no.'}
+    )
 
 
 def test_the_table_has_a_row_for_every_system_on_every_recording(plain):
@@ -130,7 +134,7 @@ def test_the_table_has_a_row_for_every_system_on_every_recording(plain):
 
 
 def test_recordings_that_are_not_there_are_named(plain):
-    assert '`danis` was not run: it is not here.' in plain['text'][-1]
+    assert 'Not run: `danis`, `zignav`: not here. Not run: `mrclam`: no.' in plain['text'][-1]
 
 
 def test_only_simulated_recordings_have_an_interval(plain):
@@ -144,7 +148,7 @@ def test_the_page_shows_the_table(plain):
     text = page(content_)
     assert '<section id="cross">' in text
     assert 'CPU [ms]' in text
-    assert text.count('<td>a_loop</td>') == len(CONTENDERS)
+    assert text.count('<td>a_loop</td>') == len(CONTENDERS) + 1  # and in what it amounts to
 
 
 def claim_of_page():
@@ -207,4 +211,31 @@ def test_without_a_folder_every_real_recording_is_named_as_absent(monkeypatch, f
     monkeypatch.setattr(reproduce, 'run', lambda experiments, *_, **__: {e.name: full for e in experiments})
     found = reproduce.computed(CLAIMS, SETTING, HERE)
     text = found['tables'][0]['text'][-1]
-    assert all(f'`{field.name}` was not run' in text for field in FIELDS if field.real)
+    names = ', '.join(f'`{field.name}`' for field in FIELDS if field.real)
+    assert f'Not run: {names}: no folder' in text
+    assert found['tables'][0]['command'] == './wsn-tracking reproduce X --seed 31 --quick'
+
+
+# ---- what the table amounts to
+
+
+def rows_of(*systems):
+    """A table of one recording: system, RMSE, NEES, bytes."""
+    columns = ['recording', 'system', 'RMSE [m]', 'NEES (of 2)', 'bytes']
+    return {'columns': columns, 'rows': [['here', *system] for system in systems]}
+
+
+def test_what_the_table_amounts_to_follows_from_its_rows():
+    table_ = rows_of(('a', 1.1, 2.0, 30.0), ('b', 1.0, 0.5, 20.0), ('c', 1.5, 4.0, 5.0), ('d', 2.1, None, 1.0))
+    assert reading(table_) == [['here', 'b', 1.0, 'a', 'd', 'a; c', 'b']]
+
+
+def test_who_has_lost_its_target_for_good_is_no_part_of_what_it_amounts_to():
+    assert reading(rows_of(('a', None, None, 1.0), ('b', 3.0, None, 2.0))) == [['here', 'b', 3.0, '', '', '', 'b']]
+
+
+def test_every_recording_amounts_to_something(plain):
+    found = reading(plain)
+    assert [row[0] for row in found] == ['a_loop', 'lias']
+    assert all(len(row) == len(READING) for row in found)
+    assert all(cell for row in found for cell in (row[1], row[-1]))

@@ -74,6 +74,14 @@ def test_every_claim_with_figures_has_a_picture(found):
     assert pictures == {name: len(claim['plots']) or 1 for name, claim in told.items()}
 
 
+def test_every_claim_in_one_line_names_a_figure_that_its_verdict_rests_on(found):
+    lines = re.findall(r'<tr><td><a href="#(\w+)">.*?</tr>', page(found))
+    assert lines[: len(found['claims'])] == [claim['id'] for claim in found['claims']]
+    (line,) = re.findall(r'<tr><td><a href="#A1">A1</a>.*?</tr>', page(found))
+    (a1,) = [claim for claim in found['claims'] if claim['id'] == 'A1']
+    assert f'EI(q = 2) / EI(7): <b>{a1["figures"][0]["value"]:.4g}</b>' in line
+
+
 def test_the_json_is_the_same_again(found):
     assert measured(['A1', 'B3', 'B4', 'B21'], 4) == found
 

@@ -42,7 +42,7 @@ ORIGIN = (
 )
 
 
-def table(samples: Mapping[str, Samples], seed: int, absent: Mapping[str, str]) -> Json:
+def table(samples: Mapping[str, Samples], command: str, absent: Mapping[str, str]) -> Json:
     """Of all recordings that were run; `absent`: why others were not."""
     run = [field for field in FIELDS if name_of(field) in samples]
     rows, cpu = [], []
@@ -52,7 +52,9 @@ def table(samples: Mapping[str, Samples], seed: int, absent: Mapping[str, str]) 
             rows.append(_row(field, contender.name, s))
             cpu.append(_short(s[f'{MEASURED}{contender.name}: cpu']))
     what = [f'`{field.name}`: {field.what}.' for field in run]
-    what += [f'`{name}` was not run: {reason}' for name, reason in absent.items()]
+    for reason in dict.fromkeys(absent.values()):
+        names = [f'`{name}`' for name, why in absent.items() if why == reason]
+        what.append(f'Not run: {", ".join(names)}: {reason}')
     systems = ' '.join(f'`{c.name}`: {c.what}.' for c in CONTENDERS)
     return {
         'id': 'cross',
@@ -62,7 +64,7 @@ def table(samples: Mapping[str, Samples], seed: int, absent: Mapping[str, str]) 
         'rows': rows,
         'measured': {'CPU [ms]': cpu},
         'plots': [plain_plot(plot) for plot in _plots(run, samples)],
-        'command': f'./wsn-tracking reproduce X --seed {seed} --data DATA',
+        'command': command,
     }
 
 

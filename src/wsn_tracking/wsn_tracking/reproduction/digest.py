@@ -25,14 +25,14 @@ def _head(content: Json) -> Iterator[str]:
 def _claims(content: Json) -> Iterator[str]:
     found = verdicts(content)
     rows = [
-        [claim['id'], claim['place'], claim['statement'], f'**{found[claim["id"]]}**', *_figure(claim)]
+        [claim['id'], claim['place'], claim['statement'], f'**{found[claim["id"]]}**', *headline(claim)]
         for claim in content['claims']
     ]
     yield from _rows(['', 'where', 'what', 'verdict', 'figure', 'document', 'ours', '95 % interval'], rows)
 
 
-def _figure(claim: Json) -> list[str]:
-    """The first figure with a rule, or the first of all."""
+def headline(claim: Json) -> list[str]:
+    """Name, the document's, ours and its interval of the first figure with a rule, or the first of all."""
     ruled = [f for f in claim['figures'] if f['shape'] or f['near']] or claim['figures']
     if not ruled:
         return ['', '', '', '']

@@ -29,8 +29,9 @@ def svg(plot: Json) -> bytes:
     axes.set_title(plot['title'], loc='left', fontsize=10, color=style.INK)
     if plot['equal']:
         axes.set_aspect('equal', adjustable='datalim')
+    axes.tick_params(which='minor', colors=style.MUTED, labelsize=7)
     if len(plot['series']) > 1:
-        axes.legend(fontsize=7, frameon=False, ncols=1 if len(plot['series']) < 5 else 2)
+        style.legend_outside(figure, axes.get_legend_handles_labels()[0], 'outside lower center')
     return as_svg(figure)
 
 

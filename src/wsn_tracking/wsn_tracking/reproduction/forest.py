@@ -96,7 +96,8 @@ def _legend(rows: Sequence[Json]) -> Iterator[Any]:
         yield style.line_handle(
             'document', color=style.INK, marker='D', linestyle='', markerfacecolor='none', markersize=5.5
         )
+    near = any(row['near'] for row in rows)
     if any(row['shape'] for row in rows):
-        yield style.patch_handle('rule on the shape', color=SHAPE)
-    if any(row['near'] for row in rows):
+        yield style.patch_handle('rule on the shape' if near else 'rule', color=SHAPE)
+    if near:
         yield style.patch_handle('rule on the number', color=NEAR)

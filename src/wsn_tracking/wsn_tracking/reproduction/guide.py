@@ -122,6 +122,11 @@ ADVICE = (
     ),
 )
 
+SETTING = (
+    'By name: `--trackers consensus`; a parameter: `--set update.kind=iplf`, with `./wsn-tracking evaluate BAG` and '
+    '`replay BAG`, or in a file that `--config` names. What each means stands in docs/parameters.md.'
+)
+
 WORDS = {
     v.REPRODUCED: 'every number and ordering that the document gives is met',
     v.IN_SHAPE: "orderings and signs hold, the numbers differ (or the document's own recording is not published)",
@@ -151,11 +156,14 @@ HOW = (
         'Every number is a mean over simulated runs with drawn noise (Monte Carlo), with its 95 % interval: were '
         'everything done again with another seed, about one number in twenty would leave its interval. Variants are '
         'compared run by run over the same draws, so that small differences show. A rule says between which bounds an '
-        'interval must lie; a verdict follows from the rules alone, and from nothing that a person judged afterwards.'
+        'interval must lie: one on the shape, for the statement to hold in kind; one on the number, for ours to be the '
+        "document's. An interval inside holds, one outside fails, one across is open. A verdict follows from the rules "
+        'alone, and from nothing that a person judged afterwards.'
     ),
     (
         'NEES says whether a filter knows its own error: the squared error over the covariance that the filter tells. '
         'Its mean is the number of dimensions (2 for a position) where the filter is honest, and larger where it is '
-        'overconfident. RMSE is the root of the mean squared distance to the truth.'
+        'overconfident. RMSE is the root of the mean squared distance to the truth. Best or bound: what a filter would '
+        'reach that is linearised at the truth, which none is told (Cramer-Rao).'
     ),
 )

@@ -9,7 +9,9 @@ from html import escape
 from typing import Any
 
 from wsn_tracking.reproduction import guide
-from wsn_tracking.reproduction.digest import number
+from wsn_tracking.reproduction.cross_reading import COLUMNS as READING
+from wsn_tracking.reproduction.cross_reading import reading
+from wsn_tracking.reproduction.digest import headline, number
 from wsn_tracking.reproduction.drawings import svg
 from wsn_tracking.reproduction.forest import forest, shown
 from wsn_tracking.reproduction.verdicts import judged, verdicts
@@ -28,6 +30,7 @@ code { font-size: 12px; background: #f4f4f4; padding: .1rem .3rem } img { max-wi
 figure { display: inline-block; margin: .4rem 1rem .4rem 0; vertical-align: top }
 section { border-top: 1px solid #ccc; margin-top: 1.4rem; padding-top: .2rem } .muted { color: #6b6b6b }
 .wide { overflow-x: auto }
+@media (min-width: 60rem) { figure.plot { width: 47.5% } figure.plot img { width: 100% } }
 """
 FIGURES = (1, 2, 3)  # columns of numbers
 
@@ -73,10 +76,23 @@ def _opening(content: Json, found: Mapping[str, str]) -> Iterator[str]:
     rows = [[_badge(word), str(counts[word]), escape(text)] for word, text in guide.WORDS.items() if counts[word]]
     yield _rows(['verdict', 'claims', 'meaning'], rows)
     rows = [
-        [f'<a href="#{c["id"]}">{c["id"]}</a>', escape(c['place']), escape(c['statement']), _badge(found[c['id']])]
+        [
+            f'<a href="#{c["id"]}">{c["id"]}</a>',
+            escape(c['place']),
+            escape(c['statement']),
+            _badge(found[c['id']]),
+            _found(c),
+        ]
         for c in content['claims']
     ]
-    yield '<h2>All claims</h2>' + _rows(['', 'where', 'what', 'verdict'], rows)
+    yield '<h2>All claims</h2>' + _rows(['', 'where', 'what', 'verdict', 'a figure that it rests on'], rows)
+
+
+def _found(claim: Json) -> str:
+    """What a claim comes down to."""
+    name, document, ours, _ = headline(claim)
+    told = f' (document: {document})' if document else ''
+    return f'{escape(name)}: <b>{escape(ours)}</b>{escape(told)}' if name else ''
 
 
 def _advice(found: Mapping[str, str]) -> Iterator[str]:
@@ -87,7 +103,7 @@ def _advice(found: Mapping[str, str]) -> Iterator[str]:
         if rests:
             rows.append([escape(when), _code(what), escape(why), ' '.join(rests)])
     if rows:
-        yield '<h2>Which configuration to use when</h2>'
+        yield f'<h2>Which configuration to use when</h2><p>{_code(guide.SETTING)}</p>'
         yield _rows(['you have', 'take', 'because', 'rests on'], rows)
 
 
@@ -107,6 +123,8 @@ def _claim(claim: Json, verdict: str, commit: str) -> str:
     pictures = ''.join(_picture(plot) for plot in claim['plots']) or _intervals(claim)
     heads = ['', 'document', 'ours', '95 % interval', '', 'rule on the shape', 'rule on the number']
     used = [i for i in range(len(heads)) if any(row[i] for row in rows)]  # a column of nothing tells nothing
+    if len(heads) - 1 not in used:
+        heads[-2] = 'rule'
     heads, rows = [heads[i] for i in used], [[row[i] for i in used] for row in rows]
     figures = [k for k, i in enumerate(used) if i in FIGURES]
     runs = f'{claim["runs"]} runs, commit' if claim['runs'] else 'Commit'
@@ -137,17 +155,17 @@ def _rule(figure: Json, kind: str) -> str:
 
 
 def _picture(plot: Json) -> str:
-    return _image(plot['title'], svg(plot))
+    return _image(plot['title'], svg(plot), 'plot')
 
 
 def _intervals(claim: Json) -> str:
     """A claim that has no plot of its own, but figures."""
-    return _image(f'{claim["id"]}: figures and rules', forest(claim)) if shown(claim['figures']) else ''
+    return _image(f'{claim["id"]}: figures and rules', forest(claim), 'forest') if shown(claim['figures']) else ''
 
 
-def _image(alt: str, drawn: bytes) -> str:
+def _image(alt: str, drawn: bytes, kind: str) -> str:
     data = base64.b64encode(drawn).decode()
-    return f'<figure><img alt="{escape(alt)}" src="data:image/svg+xml;base64,{data}"></figure>'
+    return f'<figure class="{kind}"><img alt="{escape(alt)}" src="data:image/svg+xml;base64,{data}"></figure>'
 
 
 def _table(table: Json) -> str:
@@ -158,6 +176,9 @@ def _table(table: Json) -> str:
     rows = [[_number(cell) for cell in row] for row in full]
     words = ''.join(f'<p>{_code(text)}</p>' for text in table['text'])
     shown = _rows(columns, rows, numbers=range(2, len(columns))) if rows else ''
+    if rows and table['id'] == 'cross':
+        short = [[_number(cell) for cell in row] for row in reading(table)]
+        shown = f'<h3>What it amounts to</h3>{_rows(READING, short, numbers=[2])}<h3>All of it</h3>{shown}'
     pictures = ''.join(_picture(plot) for plot in table.get('plots', ()))
     told = f'<p class="muted"><code>{escape(table["command"])}</code></p>'
     return f'<section id="{table["id"]}"><h2>{escape(table["title"])}</h2>{words}{shown}{pictures}{told}</section>'

@@ -43,7 +43,9 @@ def computed(
             ready, absent = prepared(data, Path(work))
             experiments += on_recordings(ready)
         samples = run(experiments, setting.seed, quick=setting.quick, workers=workers, progress=progress)
-    tables = [table(samples, setting.seed, absent)] if compares else []
+    given = f'{" --quick" if setting.quick else ""}{" --data DATA" if data else ""}'
+    command = f'./wsn-tracking reproduce {COMPARISON} --seed {setting.seed}{given}'
+    tables = [table(samples, command, absent)] if compares else []
     return content(claims, samples, setting, tables=tables)
 
 
