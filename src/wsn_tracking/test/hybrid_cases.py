@@ -18,6 +18,7 @@ S = 1_000_000_000
 ANCHORS = scenario('d_stop').anchors
 LINE = np.column_stack([1.0 + 0.01 * np.arange(160), np.full(160, 1.3)])
 RESTING = np.tile([1.3, 2.6], (120, 1))
+ON_TRACK = 0.1  # [m] five times the noise of a range: at no instant may an estimate be further off
 
 
 def recorded(name, seed=1, target=1, **settings):

@@ -54,7 +54,7 @@ def test_it_follows_ranges_as_well():
             Range(epoch.stamp_ns, i + 1, TARGET, k, k, Modality.ULTRASOUND, d[i], (0.05 * d[i]) ** 2) for i in range(16)
         )
         errors.append(np.hypot(*(tracker.step(epoch._replace(measurements=packets))[0].mean[:2] - TRUTH[k, :2])))
-    assert np.sqrt(np.mean(np.square(errors[5:]))) < 2.0
+    assert np.sqrt(np.mean(np.square(errors[5:]))) < 2.0  # 5 % of 40 m, what one range errs by
 
 
 def test_deviations_are_the_packets_else_the_nodes_unless_they_are_set():

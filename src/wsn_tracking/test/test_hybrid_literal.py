@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hybrid_cases import LINE, epoch_of, errors, misread, tracked, walk_of
+from hybrid_cases import LINE, ON_TRACK, epoch_of, errors, misread, tracked, walk_of
 
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.trackers.hybrid_config import HybridConfig, MotionConfig, RobustConfig
@@ -36,7 +36,7 @@ def test_the_literal_form_tracks_and_answers_a_stop_with_simultaneous_ranges():
     assert np.mean(errors(estimates, truth)[after] ** 2) < 0.7 * np.mean(errors(slow, truth)[after] ** 2)
     thin = [e._replace(measurements=e.measurements[: 2 if 40 < k < 60 else 12]) for k, e in enumerate(epochs)]
     _, survived = tracked(thin, literal())  # whoever had simultaneous ranges may lose some
-    assert errors(survived, truth)[70:80].max() < 0.1
+    assert errors(survived, truth)[70:80].max() < ON_TRACK
 
 
 def test_the_literal_form_gates_and_predicts_too():
@@ -47,6 +47,6 @@ def test_the_literal_form_gates_and_predicts_too():
     tracker, estimates = tracked([*epochs[:100], bad, epoch_of(101, []), epoch_of(101, [])], literal())
     assert tracker.counters['gated'] == 1
     assert len(estimates[100].measurements) == 5
-    assert errors(estimates[100:101], LINE[100:101])[0] < 0.05
+    assert errors(estimates[100:101], LINE[100:101])[0] < ON_TRACK
     lost, _ = tracked([*epochs[:100], *(misread(e, lambda _: 9.0) for e in epochs[100:150])], literal())
     assert lost.counters['stale'] + lost.counters['rejected'] >= 1

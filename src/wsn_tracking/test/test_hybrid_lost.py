@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hybrid_cases import ANCHORS, RESTING, S, errors, misread, moved, recorded, tracked, walk_of
+from hybrid_cases import ANCHORS, ON_TRACK, RESTING, S, errors, misread, moved, recorded, tracked, walk_of
 
 from wsn_tracking.sensing.values import Epoch
 from wsn_tracking.trackers.estimate import Kind
@@ -35,7 +35,7 @@ def test_a_silent_track_is_stale_after_a_second_and_found_anew_by_least_squares(
     estimates = [tracker.step(epoch)[0] for epoch in later]
     assert tracker.counters['reacquired'] == 1
     assert [e.kind for e in estimates].index(Kind.LOCAL) <= 8
-    assert errors(estimates, [3.2, 4.9])[-20:].max() < 0.1
+    assert errors(estimates, [3.2, 4.9])[-20:].max() < ON_TRACK
 
 
 def test_a_target_that_was_carried_elsewhere_is_found_there():
@@ -43,7 +43,7 @@ def test_a_target_that_was_carried_elsewhere_is_found_there():
     for form in ('inflate', 'imm', 'ekf'):
         tracker, estimates = tracked(epochs, HybridConfig(form=form))
         assert tracker.counters['reacquired'] >= 1
-        assert errors(estimates, [3.2, 4.9])[170:].max() < 0.12  # 2.5 s later
+        assert errors(estimates, [3.2, 4.9])[170:].max() < ON_TRACK  # 2.5 s later
     tracker, _ = tracked(epochs, HybridConfig(robust=RobustConfig(gate=0.0)))
     assert tracker.counters['gated'] == 0
 
@@ -59,8 +59,8 @@ def test_when_two_targets_change_ids_each_track_goes_over_within_a_second(seed):
     tracker, estimates = tracked([*own[0][0][:160], *renamed])
     off = errors(estimates, np.concatenate([own[0][1][:160], own[1][1][160:]]))
     assert (tracker.counters['rejected'], tracker.counters['reacquired']) == (1, 1)
-    assert off[20:160].max() < 0.15
-    assert off[180:].max() < 0.15
+    assert off[20:160].max() < ON_TRACK
+    assert off[180:].max() < ON_TRACK
 
 
 def test_a_track_that_its_ranges_do_not_fit_is_given_up():

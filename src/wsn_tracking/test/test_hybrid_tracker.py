@@ -4,7 +4,7 @@ import random
 
 import numpy as np
 import pytest
-from hybrid_cases import ANCHORS, LINE, S, epoch_of, errors, moved, recorded, tracked, walk_of
+from hybrid_cases import ANCHORS, LINE, ON_TRACK, S, epoch_of, errors, moved, recorded, tracked, walk_of
 
 from wsn_tracking.bags.estimates import differences
 from wsn_tracking.errors import TrackingError
@@ -67,7 +67,7 @@ def test_a_track_starts_by_least_squares_and_is_consistent():
 def test_every_form_tracks(form):
     epochs, truth = recorded('d_arc_stop', 3)
     tracker, estimates = tracked(epochs, HybridConfig(form=form))
-    assert np.sqrt(np.mean(errors(estimates, truth)[40:] ** 2)) < 0.05
+    assert errors(estimates, truth)[40:].max() < ON_TRACK
     assert tracker.counters['gated'] == 0
 
 

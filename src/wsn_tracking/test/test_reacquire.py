@@ -24,8 +24,8 @@ def test_a_lost_track_is_found_anew():
         kinds.append(found.kind)
     assert kinds.count(Kind.START) == 1
     assert lost.counters['reacquired_after_rejects'] == 1
-    assert np.hypot(*(found.mean - LOOP.truth[59])[:2]) < 0.3
-    assert np.hypot(*(kept.mean - LOOP.truth[59])[:2]) > 0.5
+    assert np.hypot(*(found.mean - LOOP.truth[59])[:2]) < 0.3  # three times the noise of a range
+    assert np.hypot(*(kept.mean - LOOP.truth[59])[:2]) > 1.0  # on the other side of the loop
 
 
 def test_after_a_long_silence_the_filter_starts_anew():
