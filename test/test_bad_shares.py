@@ -62,7 +62,7 @@ class Others:
 
     def __init__(self, nodes, node):
         self.group = ConsensusGroup(nodes, TIMEOUT)
-        self.refused = dict.fromkeys(self.group.heard_outside, 0)
+        self.refused = {i: 0 for i, each in nodes.items() if not nodes.keys() >= set(each.neighbours)}  # heard outside
         self.outputs = {i: node.create_publisher(msg.ConsensusShare, topic_of(i), qos.ESTIMATES) for i in self.refused}
         for i in self.group.foreign:
             node.create_subscription(msg.ConsensusShare, topic_of(i), self.hear, qos.ESTIMATES)

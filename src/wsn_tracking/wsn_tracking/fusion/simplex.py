@@ -5,18 +5,15 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from wsn_tracking.filters.linalg import identity
-from wsn_tracking.models.anchors import Floats
+from wsn_tracking.models.anchors import Floats, Mask
 
 STEPS = 60
 HALVINGS = 30
 TOLERANCE = 1e-12  # share of the objective that a last step gains: what is left after it is the square of that
 NOISE = 1e-15  # rounding of the objective, relative
 TINY = 1e-300  # keeps a weight at zero that stays there from 0 / 0
-
-Mask = NDArray[np.bool_]
 
 
 class Expansion(NamedTuple):
@@ -27,16 +24,11 @@ class Expansion(NamedTuple):
     H: Floats  # (..., J, J) d2f / dw_j dw_k = 2 tr P Y_j P Y_k P
 
 
-def objective(Y: Floats, w: Floats) -> Floats:
-    """tr (sum_j w_j Y_j)^-1, (...); Y (..., J, n, n), w (..., J)."""
-    return np.asarray(_inverse(Y, w).trace(axis1=-2, axis2=-1))
-
-
 def minimise_trace(Y: Floats, w: Floats) -> Floats:
-    """The weights (..., J) >= 0, summing to one, that minimise the objective; w is where to start.
+    """The weights (..., J) >= 0, summing to one, that minimise tr (sum_j w_j Y_j)^-1; w is where to start.
 
-    The objective is convex. A weight at zero is held there while its multiplier is not negative; the rest
-    take a Newton step in the plane of sum zero, shortened to stay in the simplex and to descend.
+    Y (..., J, n, n) informations. The objective is convex. A weight at zero is held there while its multiplier is not
+    negative; the rest take a Newton step in the plane of sum zero, shortened to stay in the simplex and to descend.
     """
     here = expand(Y, w)
     done = np.zeros(here.f.shape, dtype=np.bool_)

@@ -45,11 +45,6 @@ class ConsensusGroup:
         """Neighbours outside the group, ascending: their shares come by `receive`."""
         return tuple(sorted(self._hear.keys() - self.nodes.keys()))
 
-    @property
-    def heard_outside(self) -> tuple[int, ...]:
-        """Nodes of the group that have neighbours outside."""
-        return tuple(i for i, node in self.nodes.items() if not self.nodes.keys() >= set(node.neighbours))
-
     def begin(self, epoch: Epoch) -> bool:
         """An epoch's input is complete, for every node of the group; False: it is skipped, since too many wait."""
         if any(len(member.queue) >= MAX_QUEUE for member in self._members.values()):
