@@ -19,6 +19,7 @@ from wsn_tracking.sensing.values import EpochEnd, Range, Request, Rssi, TriggerR
 from wsn_tracking.trackers.estimate import Estimate, Kind
 from wsn_tracking.zstack.commands import ZdoMgmtLqiReq, ZdoMgmtLqiReqRsp
 from wsn_tracking.zstack.intake import Intake
+from wsn_tracking.zstack.link import Status
 from wsn_tracking.zstack.lqi import SCALES, scale_words
 from wsn_tracking.zstack.payload import Payload, PayloadType, encode_payload
 from wsn_tracking.zstack.records import FeedbackRecord, Record, SensingRecord
@@ -51,6 +52,7 @@ class SerialBridgeNode(TrackingNode[SerialBridgeConfig]):
         self._sent_down = 0
         self._fed_back: dict[int, int] = {}  # target -> stamp [ns] of what was told last
         self._conflicts: dict[int, float] = {}  # node -> when two radios last bore its id
+        self._logged = ''  # what was last said of the link
         self._outputs = {kind: self.give(cls, topic, qos.MEASUREMENTS) for kind, (topic, cls, _) in OUTPUTS.items()}
         self._link = self.create_publisher(msg.LinkStatus, 'link_status', qos.LATCHED_LAST)
         self._topology = self.create_publisher(msg.Topology, 'topology', qos.LATCHED_LAST)
@@ -165,7 +167,16 @@ class SerialBridgeNode(TrackingNode[SerialBridgeConfig]):
         m.pan_id = 0xFFFF if status.network is None else status.network.pan_id
         m.counter_names, m.counters = list(counters), list(counters.values())
         self._link.publish(m)
+        self._log(status)
         self._topology.publish(self._stations.message(time.monotonic_ns()))
+
+    def _log(self, status: Status) -> None:
+        """Whoever looks at the terminal reads why there is no link, once, and that there is one."""
+        words = f'the sink is at {status.device}' if status.up else status.error
+        if words and words != self._logged:
+            self._logged = words
+            logger = self.get_logger()
+            (logger.info if status.up else logger.warning)(words)
 
     def _counters(self) -> dict[str, int]:
         return {**self._session.counters, **self._intake.counters, **self._bridge.counters}
