@@ -9,14 +9,14 @@ from oracles import LOOP, NOISE, H, beliefs, covariances, properties, seeds, som
 from wsn_tracking.filters import blocks, gram, qr
 from wsn_tracking.filters.belief import Belief
 from wsn_tracking.filters.cubature import regress
-from wsn_tracking.filters.linalg import matvec, transpose
+from wsn_tracking.filters.linalg import WRITTEN_OUT, matvec, transpose
 from wsn_tracking.filters.robust import with_offsets
 from wsn_tracking.filters.srckf import predict, update
 from wsn_tracking.models.draws import Stream, keyed
 from wsn_tracking.models.measurement import POSITION, constant_noise, rssi_function
 from wsn_tracking.models.motion import constant_velocity
 
-shapes = st.sampled_from([(), (1,), (3,), (2, 3), (gram.WRITTEN_OUT,), (2, gram.WRITTEN_OUT)])
+shapes = st.sampled_from([(), (1,), (3,), (2, 3), (WRITTEN_OUT,), (2, WRITTEN_OUT)])
 kappas = st.sampled_from([0.0, 0.5, 2.0])
 words = st.integers(0, 2**64 - 1)
 
@@ -180,16 +180,16 @@ def test_no_reading_is_too_absurd_to_be_answered_as_qr_does(seed, exponent):
 
 def test_factor_is_lapacks_whatever_the_batch():
     rng = np.random.default_rng(3)
-    A = covariances(rng, gram.WRITTEN_OUT, n=6, condition=100.0)
+    A = covariances(rng, WRITTEN_OUT, n=6, condition=100.0)
     whole = np.linalg.cholesky(A)
     L, trusted = gram.cholesky(A, 4)
-    assert trusted.shape == (gram.WRITTEN_OUT, 4)
+    assert trusted.shape == (WRITTEN_OUT, 4)
     assert trusted.all()
     np.testing.assert_allclose(L, whole[..., :4], atol=1e-12)
     np.testing.assert_allclose(gram.cholesky(A[:5], 4).L, whole[:5, :, :4], atol=1e-12)
 
 
-@pytest.mark.parametrize('batch', [(), (3,), (gram.WRITTEN_OUT,)])
+@pytest.mark.parametrize('batch', [(), (3,), (WRITTEN_OUT,)])
 def test_a_matrix_that_is_not_definite_has_no_factor_that_is_trusted(batch):
     A = np.broadcast_to(np.diag([1.0, -1.0, 1.0]), (*batch, 3, 3))
     assert not gram.cholesky(A, 3).trusted.all(axis=-1).any()

@@ -5,7 +5,6 @@ Both are exact. Each result says whether its pivots (..., k) may be trusted; whe
 
 from __future__ import annotations
 
-import math
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -13,11 +12,10 @@ import numpy as np
 
 from wsn_tracking.filters.belief import Belief
 from wsn_tracking.filters.cubature import Regression
-from wsn_tracking.filters.linalg import matvec, transpose
+from wsn_tracking.filters.linalg import large, matvec, transpose
 from wsn_tracking.models.anchors import Floats, Mask
 
 TRUST = 1e-5  # least share of a variance that what came before leaves unexplained: rounding grows to 1e-16 over it
-WRITTEN_OUT = 64  # matrices from which on steps over all of them at once are faster than LAPACK one by one
 AMPLE = 1e12  # more than the squared norm of any row of what stands below a matrix
 TINY = 1e-100  # least deviation that is told apart from zero
 
@@ -43,11 +41,6 @@ def cholesky(A: Floats, k: int) -> Root:
         L = np.full((*A.shape[:-1], k), np.nan)
     pivots = L.diagonal(0, -2, -1)
     return Root(L, pivots * pivots > TRUST * A.diagonal(0, -2, -1)[..., :k])
-
-
-def large(batch: tuple[int, ...]) -> bool:
-    """Whether steps over all matrices of a batch at once are faster than LAPACK one by one."""
-    return bool(batch) and math.prod(batch) >= WRITTEN_OUT
 
 
 def _written_out(A: Floats, k: int) -> Root:

@@ -2,11 +2,19 @@
 
 from __future__ import annotations
 
+import math
 from functools import lru_cache
 
 import numpy as np
 
 from wsn_tracking.models.anchors import Floats
+
+WRITTEN_OUT = 64  # matrices from which on steps over all of them at once are faster than LAPACK one by one
+
+
+def large(batch: tuple[int, ...]) -> bool:
+    """Whether steps over all matrices of a batch at once are faster than LAPACK one by one."""
+    return bool(batch) and math.prod(batch) >= WRITTEN_OUT
 
 
 def transpose(A: Floats) -> Floats:

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
+from wsn_tracking.filters.linalg import large
 from wsn_tracking.models.anchors import Floats
-
-WRITTEN_OUT = 64  # matrices from which on steps over all of them are faster than LAPACK one by one
 
 
 def forward(L: Floats, B: Floats) -> Floats:
     """L^-1 B for lower triangular L (..., n, n) and B (..., n, k)."""
     shape = np.broadcast_shapes(L.shape[:-2], B.shape[:-2])
-    if np.prod(shape) < WRITTEN_OUT:
+    if not large(shape):
         return np.linalg.solve(L, B)
     X = np.broadcast_to(np.moveaxis(B, (-2, -1), (0, 1)), (*B.shape[-2:], *shape)).copy()
     rows = np.ascontiguousarray(np.moveaxis(L, (-2, -1), (0, 1)))
