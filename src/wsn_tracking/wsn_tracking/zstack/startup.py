@@ -116,9 +116,9 @@ def start(dialogue: Dialogue) -> None:
     try:
         status = dialogue.ask(ZdoStartup(), ZdoStartupRsp, dialogue.timeout.startup).status
     except TrackingError:
-        if dialogue.state != COORDINATOR_UP:  # it may have started, and its answer been lost
-            raise
-        return
+        if _is_up(dialogue):  # its answer was lost
+            return
+        raise
     if status == STARTUP_FAILED:
         raise TrackingError('the sink cannot start its network (status 2): form one, see docs, or reset the sink')
     await_coordinator(dialogue)
@@ -130,7 +130,7 @@ def await_coordinator(dialogue: Dialogue) -> None:
     end = time.monotonic() + timeout.commissioning
     state: int | None = None
     while not dialogue.until(
-        lambda: dialogue.state == COORDINATOR_UP or dialogue.counters['resets'] > before,
+        lambda: _is_up(dialogue) or dialogue.counters['resets'] > before,
         min(timeout.reply, max(end - time.monotonic(), 0.0)),
     ):
         device = device_info(dialogue)
@@ -140,5 +140,10 @@ def await_coordinator(dialogue: Dialogue) -> None:
         if time.monotonic() >= end:
             words = 'unknown' if state is None else state
             raise TrackingError(f'the network of the sink does not come up (state {words}, {COORDINATOR_UP} expected)')
-    if dialogue.state != COORDINATOR_UP:
+    if not _is_up(dialogue):
         raise TrackingError('the sink restarted while its network came up')
+
+
+def _is_up(dialogue: Dialogue) -> bool:
+    """Whether the sink has said so."""
+    return dialogue.state == COORDINATOR_UP
