@@ -207,6 +207,26 @@ def test_a_folder_that_is_none_is_refused_in_one_line(tmp_path, capsys):
     assert 'is no folder' in capsys.readouterr().err
 
 
+def test_a_folder_without_any_recording_is_refused_before_the_work(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(reproduce, 'run', lambda *_, **__: pytest.fail('it works for nothing'))
+    with pytest.raises(SystemExit) as ended:
+        cli.main(['reproduce', 'X', '--data', str(tmp_path), '-o', str(tmp_path / 'o')])
+    assert ended.value.code == 1
+    told = capsys.readouterr().err
+    assert 'holds no recording that can be used' in told
+    assert told.count('\n') == 1
+
+
+def test_what_is_absent_is_told_by_the_name_that_the_command_gives_the_folder(tmp_path, monkeypatch):
+    def bags(name, folder, work):
+        if name != 'danis':
+            raise TrackingError(f'{folder} has no {name}')
+        return Ready((str(A_LOOP),), 5.0)
+
+    monkeypatch.setattr(cross, 'real_bags', bags)
+    assert cross.prepared(tmp_path, tmp_path)[1]['lias'] == 'DATA has no lias'
+
+
 def test_without_a_folder_every_real_recording_is_named_as_absent(monkeypatch, full):
     monkeypatch.setattr(reproduce, 'run', lambda experiments, *_, **__: {e.name: full for e in experiments})
     found = reproduce.computed(CLAIMS, SETTING, HERE)

@@ -44,7 +44,7 @@ def walking(s: Samples) -> Sequence[Figure]:
     return [
         ratio(f'RMSE, {OURS} / {PAPER}', s[OURS], s[PAPER], True, shape=(None, 0.97)),
         ratio(f'RMSE, {OURS} / {ONE}', s[OURS], s[ONE], True, shape=(None, 0.35)),
-        ratio(f'RMSE, {LAGGED} / {OURS}', s[LAGGED], s[OURS], True, shape=(None, 0.93)),
+        ratio(f'RMSE, {LAGGED} / {OURS}', s[LAGGED], s[OURS], True, shape=(None, 0.9)),
         ratio(f'RMSE, {OURS}, 500 particles / 2000', s[OURS], s[MANY], True, shape=(None, 1.15)),
         root_mean(f'RMSE, {OURS}', s[OURS], 'm'),
         median(f'NEES (of 2) of the median walk, {PAPER}', s[f'{PAPER}: nees']),
@@ -130,7 +130,7 @@ def borne(s: Samples) -> Sequence[Figure]:
 def again(s: Samples) -> Sequence[Figure]:
     """After a jump."""
     return [
-        median('jump: found again after (median walk)', s['jump: reset'], 's', shape=(None, 22.0)),
+        median('jump: found again after (median walk)', s['jump: reset'], 's', shape=(None, 8.0)),
         median('jump: without a reset', s['jump: no reset'], 's'),
         mean('jump: later without a reset by', s['jump: no reset'] - s['jump: reset'], 's', shape=(5.0, None)),
     ]

@@ -104,7 +104,11 @@ def prepared(data: Path, work: Path) -> tuple[dict[str, Ready], dict[str, str]]:
             try:
                 ready[field.name] = real_bags(field.name, data, work)
             except TrackingError as error:
-                absent[field.name] = str(error)
+                absent[field.name] = str(error).replace(str(data), 'DATA')  # as the command names it
+    if not ready:
+        raise TrackingError(
+            f'{data} holds no recording that can be used, a folder each (docs/datasets.md): {absent["danis"]}'
+        )
     return ready, absent
 
 

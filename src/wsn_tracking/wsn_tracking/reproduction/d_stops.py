@@ -32,11 +32,11 @@ def figure_4(s: Samples) -> Sequence[Figure]:
     """The hybrid: the EKF's smoothness before the stop, nearly the quickness of least squares after it."""
     time = settling(stopped(s))
     return [
-        ratio(f'RMSE before the stop, {HYBRID} / {EKF}', before(s, HYBRID), before(s, EKF), True, shape=(0.9, 1.1)),
+        ratio(f'RMSE before the stop, {HYBRID} / {EKF}', before(s, HYBRID), before(s, EKF), True, shape=(0.95, 1.05)),
         ratio(f'RMSE before the stop, {LS} / {HYBRID}', before(s, LS), before(s, HYBRID), True, shape=(1.2, None)),
-        settling_ratio(s, EKF, HYBRID, (1.8, None)),
+        settling_ratio(s, EKF, HYBRID, (2.0, None)),
         settling_ratio(s, HYBRID, LS, (1.0, None)),
-        ratio(f'RMSE 2 s after the stop, {EKF} / {HYBRID}', soon(s, EKF), soon(s, HYBRID), True, shape=(1.5, None)),
+        ratio(f'RMSE 2 s after the stop, {EKF} / {HYBRID}', soon(s, EKF), soon(s, HYBRID), True, shape=(1.8, None)),
         *(bootstrapped(f'settling, {n}', lambda v: time(v[0]), [s[n]], 's') for n in (LS, HYBRID, EKF)),
     ]
 
