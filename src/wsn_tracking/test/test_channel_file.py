@@ -37,6 +37,13 @@ def test_a_file_that_was_read_is_written_unchanged():
     assert channel_text(parse_channel(text, 'x')) == text
 
 
+def test_places_in_the_grid_of_a_country_are_written_to_the_millimetre():
+    channel = a_channel()
+    away = channel.radio_map._replace(points=np.add(channel.radio_map.points, [4.5e5, 5.4e6]))
+    back = parse_channel(channel_text(channel._replace(radio_map=away)), 'x')
+    np.testing.assert_allclose(back.radio_map.points, away.points, rtol=0.0, atol=0.5e-3 + 1e-9)
+
+
 @pytest.mark.parametrize('map_too', [True, False])
 @pytest.mark.parametrize('ranging', [True, False])
 def test_parts_may_be_absent(map_too, ranging):

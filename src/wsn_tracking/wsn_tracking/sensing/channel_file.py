@@ -9,18 +9,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wsn_tracking.errors import TrackingError
-from wsn_tracking.models.anchors import Floats
+from wsn_tracking.models.anchors import FURTHEST, Floats
+from wsn_tracking.models.anchors import LIMITS as RADIO_LIMITS
 from wsn_tracking.models.radio_map import RadioMap, make_map
 from wsn_tracking.ros_yaml import parse
 from wsn_tracking.sensing.channel import Body, Channel, PathLoss, Quantity, Ranging
 
 FORMAT = 'wsn_tracking channel 1'
-LIMITS: Mapping[str, tuple[float, float]] = {  # of values that a radio can have
-    'p1_dbm': (-200.0, 100.0),
-    'n': (0.01, 20.0),
-    'sigma_db': (1e-6, 100.0),
-    'bias': (-1e4, 1e4),
-    'scale': (0.01, 100.0),
+LIMITS: Mapping[str, tuple[float, float]] = {  # of values that a radio, or a body beside it, can have
+    **RADIO_LIMITS,
     'sigma': (1e-9, 1e4),
     'loss': (-60.0, 60.0),
     'at_1_m': (-100.0, 100.0),
@@ -106,8 +103,9 @@ def _map_lines(radio_map: RadioMap) -> Iterable[str]:
         yield f'  {name}: |'
         rows = np.concatenate([radio_map.points, getattr(radio_map, name)], axis=1)
         known = np.concatenate([np.ones((len(rows), 2), dtype=np.bool_), np.isfinite(radio_map.residual_db)], axis=1)
-        for row, there in zip(rows.tolist(), known.tolist(), strict=True):
-            yield '    ' + ' '.join(_number(cell) if k else '-' for cell, k in zip(row, there, strict=True))
+        for (x, y, *row), (_, _, *there) in zip(rows.tolist(), known.tolist(), strict=True):
+            cells = [_number(cell) if k else '-' for cell, k in zip(row, there, strict=True)]
+            yield '    ' + ' '.join([_coordinate(x), _coordinate(y), *cells])
 
 
 def _number(value: float) -> str:
@@ -117,6 +115,11 @@ def _number(value: float) -> str:
     if '.' not in mantissa and 'n' not in mantissa:
         mantissa += '.0'
     return mantissa + e + exponent
+
+
+def _coordinate(value: float) -> str:
+    """To the millimetre at least, also in the grid of a country."""
+    return _number(value) if abs(value) < 1000.0 else f'{value:.3f}'
 
 
 def parse_channel(text: str, where: str) -> Channel:
@@ -288,7 +291,8 @@ class _Reader:
             values = np.array([[np.nan if cell == '-' else float(cell) for cell in row] for row in rows])
         except ValueError as error:
             self.refuse(f'`{name}` of `map`: {error}', f'rows of {width} numbers, `-` for none')
-        if np.any(np.abs(values[np.isfinite(values)]) > 1e6) or np.any(np.isinf(values)):
+        most = np.where(np.arange(width) < 2, FURTHEST, 1e6)
+        if np.any(np.abs(values) > most):  # NaN: none
             self.refuse(f'`{name}` of `map` holds infinite or absurd numbers', 'metres and decibels')
         return values
 
