@@ -173,10 +173,13 @@ class SerialBridgeNode(TrackingNode[SerialBridgeConfig]):
     def _log(self, status: Status) -> None:
         """Whoever looks at the terminal reads why there is no link, once, and that there is one."""
         words = f'the sink is at {status.device}' if status.up else status.error
-        if words and words != self._logged:
-            self._logged = words
-            logger = self.get_logger()
-            (logger.info if status.up else logger.warning)(words)
+        if not words or words == self._logged:
+            return
+        self._logged = words
+        if status.up:
+            self.get_logger().info(words)
+        else:
+            self.get_logger().warning(words)
 
     def _counters(self) -> dict[str, int]:
         return {**self._session.counters, **self._intake.counters, **self._bridge.counters}
