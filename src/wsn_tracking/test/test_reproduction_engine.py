@@ -33,6 +33,13 @@ def test_results_do_not_depend_on_the_workers(workers):
     assert equal(run([SMALL], 7, workers=workers), run([SMALL], 7, workers=ALONE))
 
 
+def test_results_do_not_depend_on_being_computed_by_a_dask_cluster_of_this_machine():
+    """Processes that are begun for it."""
+    pytest.importorskip('distributed', reason='Dask is not installed')
+    workers = Workers(jobs=2, backend='dask')
+    assert equal(run([SMALL], 7, workers=workers), run([SMALL], 7, workers=ALONE))
+
+
 def test_results_do_not_depend_on_being_computed_by_a_dask_cluster():
     distributed = pytest.importorskip('distributed', reason='Dask is not installed')
     with distributed.LocalCluster(n_workers=2, processes=False, dashboard_address=None) as cluster:
