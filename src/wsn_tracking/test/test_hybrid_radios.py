@@ -52,6 +52,16 @@ def test_signal_strengths_become_ranges_whose_error_grows_with_them(told):
     assert np.sqrt(np.mean(errors(estimates, [1.3, 2.6])[10:] ** 2)) < 0.2
 
 
+def test_a_range_without_a_stamp_is_of_its_epoch():
+    """Of a driver that leaves headers empty: not of the year 1970."""
+    stamped = [e._replace(stamp_ns=e.stamp_ns + 1_700_000_000 * S) for e in walk_of(LINE)]
+    stamped = [e._replace(measurements=tuple(p._replace(stamp_ns=e.stamp_ns) for p in e.measurements)) for e in stamped]
+    bare = [e._replace(measurements=tuple(p._replace(stamp_ns=0) for p in e.measurements)) for e in stamped]
+    (_, told), (_, same) = tracked(stamped), tracked(bare)
+    np.testing.assert_array_equal([e.mean for e in told], [e.mean for e in same])
+    assert errors(same, LINE)[40:].max() < ON_TRACK
+
+
 def test_a_calibration_of_other_nodes_is_refused(tmp_path):
     with pytest.raises(TrackingError):
         HybridTracker(replace(HybridConfig(), channel=str(tmp_path / 'none.yaml')), ANCHORS, 1)

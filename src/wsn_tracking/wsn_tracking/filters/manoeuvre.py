@@ -37,7 +37,7 @@ def observe(watch: Watch, seen: Innovation, threshold: float) -> tuple[Watch, Ma
 
 
 def answered(watch: Watch, where: Mask, rest: int) -> Watch:
-    """A manoeuvre was answered there: what was seen before no longer counts, and `rest` ranges are let pass."""
+    """A manoeuvre was answered there: what was seen before no longer counts, and the next is `rest` ranges off."""
     return Watch(np.where(where[..., None], 0.0, watch.squared), np.where(where, rest, watch.rest))
 
 

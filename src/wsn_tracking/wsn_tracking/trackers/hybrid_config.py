@@ -52,7 +52,7 @@ class ManoeuvreConfig:
 
     length: int = param(4, 'innovations that are summed; none counts for more than half', 'ranges', 3, 1000)
     threshold: float = param(18.5, 'of the sum of nu^2 / S: one in a thousand for four', '', 0.0, 1e6)
-    rest: int = param(12, 'ranges that are let pass after a manoeuvre', 'ranges', 0, 100000)
+    rest: int = param(12, 'ranges from one manoeuvre to the next, at least', 'ranges', 0, 100000)
     fresh: float = param(4.0, 'least squares counts of ranges no older, and there for so long', 'periods', 0.0, 1e6)
     position_std: float = param(0.02, 'least error of least squares that is allowed for', 'm', 1e-6, 1e3)
     velocity_std: float = param(0.2, 'likewise of its velocity', 'm/s', 1e-6, 1e3)

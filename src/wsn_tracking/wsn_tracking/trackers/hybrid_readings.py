@@ -11,6 +11,8 @@ from wsn_tracking.models.radio import MIN_RANGE, range_at, relative_range_std
 from wsn_tracking.sensing.average import usable
 from wsn_tracking.sensing.values import Epoch, Modality, Range, Rssi
 
+UNSET_NS = 60_000_000_000  # from this stamp of an epoch on, one of zero is no time of a measurement
+
 
 class Distance(NamedTuple):
     """What one node told."""
@@ -33,7 +35,10 @@ class DistanceTable:
         self._share = relative_range_std(anchors).tolist()
 
     def read(self, epoch: Epoch, counters: Counter[str]) -> list[Distance]:
-        """Every usable range or signal strength of the epoch's target, by time of measurement, then node."""
+        """Every usable range or signal strength of the epoch's target, by time of measurement, then node.
+
+        A stamp of zero, far from the epoch's, is none (a driver that sets no time): the epoch's counts.
+        """
         told = []
         for packet in epoch.measurements:
             if packet.target_id != epoch.target_id:
@@ -43,7 +48,9 @@ class DistanceTable:
             elif not isinstance(packet, (Range, Rssi)) or not usable(packet):
                 counters['unusable'] += 1
             else:
-                told.append(self._distance(packet, self._rows[packet.node_id]))
+                unset = packet.stamp_ns == 0 and epoch.stamp_ns > UNSET_NS
+                stamped = packet._replace(stamp_ns=epoch.stamp_ns) if unset else packet
+                told.append(self._distance(stamped, self._rows[packet.node_id]))
         return sorted(told, key=lambda d: (d.stamp_ns, d.row))
 
     def _distance(self, packet: Range | Rssi, row: int) -> Distance:
