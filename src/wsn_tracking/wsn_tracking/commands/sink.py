@@ -8,7 +8,7 @@ import time
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
-from wsn_tracking.commands import sink_simulate
+from wsn_tracking.commands import sink_simulate, sink_track
 from wsn_tracking.commands.base import Commands, add_command, seconds
 
 if TYPE_CHECKING:
@@ -22,10 +22,11 @@ def add(commands: Commands) -> None:
         commands,
         'sink',
         _look,
-        'look at a sink, or simulate one',
+        'look at a sink, track on what it delivers, or simulate one',
         'probe /dev/ttyACM0',
         'dump /dev/serial/by-id/usb-Texas_Instruments_CC2531-if00 --hex',
         'dump captured.bin',
+        'track --config my_field.yaml --record walk',
         'simulate --link my_sink',
     )
     kinds = command.add_subparsers(dest='what', required=True, metavar='WHAT')
@@ -33,6 +34,7 @@ def add(commands: Commands) -> None:
     _add_look(kinds, 'dump', 'every frame, decoded').add_argument(
         '--hex', action='store_true', help='the bytes as well'
     )
+    sink_track.add(kinds)
     sink_simulate.add(kinds)
 
 
