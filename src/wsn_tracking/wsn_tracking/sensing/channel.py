@@ -154,6 +154,6 @@ def load_channel(path: Path | str) -> Channel:
 def save_channel(path: Path | str, channel: Channel) -> None:
     """Write a channel file, whole or not at all; an existing file is replaced."""
     from wsn_tracking.files import write_whole
-    from wsn_tracking.sensing.channel_file import channel_text
+    from wsn_tracking.sensing.channel_text import channel_text
 
     write_whole(path, channel_text(channel).encode())
