@@ -12,12 +12,13 @@ from wsn_tracking.zstack.clock import ClockConfig
 from wsn_tracking.zstack.intake import Intake, Taken
 from wsn_tracking.zstack.link import LinkEvent
 from wsn_tracking.zstack.lqi import SCALES
+from wsn_tracking.zstack.motes import Message, TrafficConfig
 from wsn_tracking.zstack.payload import Payload
 from wsn_tracking.zstack.queues import Received
+from wsn_tracking.zstack.readings import AirEpoch
 from wsn_tracking.zstack.session import Session
 from wsn_tracking.zstack.settings import LinkConfig, TimeoutConfig
 from wsn_tracking.zstack.simulator_settings import SimulatorConfig
-from wsn_tracking.zstack.traffic import AirEpoch, Message, TrafficConfig
 
 PATIENCE = 60.0  # [s] far beyond what anything takes on a machine that is busy
 QUIET = TrafficConfig(heartbeat=0.0)

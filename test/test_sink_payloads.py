@@ -23,8 +23,8 @@ from wsn_tracking.nodes.health import WARN
 from wsn_tracking.parameters import specs
 from wsn_tracking.sensing.values import Modality, Reason
 from wsn_tracking.trackers.estimate import Kind
+from wsn_tracking.zstack.readings import AirEpoch, Reading
 from wsn_tracking.zstack.records import FeedbackRecord, SensingRecord
-from wsn_tracking.zstack.traffic import AirEpoch, Reading
 
 KNOWN = {spec.name for spec in specs(SerialBridgeConfig)}
 

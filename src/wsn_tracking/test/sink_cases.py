@@ -9,12 +9,13 @@ from wsn_tracking.zstack.device import Device
 from wsn_tracking.zstack.firmware.chip import Mote
 from wsn_tracking.zstack.firmware.flavour import FLAVOURS
 from wsn_tracking.zstack.frames import Frame, Kind, encode_frame
+from wsn_tracking.zstack.motes import TrafficConfig
 from wsn_tracking.zstack.on_board import in_radius
 from wsn_tracking.zstack.protocols import Radio, protocol_of
+from wsn_tracking.zstack.readings import AirEpoch, Reading
 from wsn_tracking.zstack.reports import Report
 from wsn_tracking.zstack.simulator import Simulator
 from wsn_tracking.zstack.simulator_settings import SimulatorConfig
-from wsn_tracking.zstack.traffic import AirEpoch, Reading, TrafficConfig
 
 RADIO = Radio()
 REGISTER = c.AfRegister(0xE8, 0xBF01, in_clusters=(0x10,))

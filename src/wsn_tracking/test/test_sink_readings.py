@@ -14,8 +14,8 @@ from wsn_tracking.errors import TrackingError
 from wsn_tracking.sensing.recording import Recording
 from wsn_tracking.sensing.values import Modality, Range, Request
 from wsn_tracking.zstack.payload import Payload, PayloadType, encode_payload
+from wsn_tracking.zstack.readings import AirEpoch, Reading, rssi_record
 from wsn_tracking.zstack.records import RangeRecord, RssiRecord
-from wsn_tracking.zstack.traffic import AirEpoch, Reading, rssi_record
 
 
 def test_ranges_arrive_in_millimetres():

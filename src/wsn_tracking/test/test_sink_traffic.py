@@ -16,8 +16,8 @@ from wsn_tracking.zstack.intake import Intake
 from wsn_tracking.zstack.lqi import SCALES, reachable
 from wsn_tracking.zstack.payload import Flag, Payload, PayloadType, encode_payload
 from wsn_tracking.zstack.queues import Received
+from wsn_tracking.zstack.readings import AirEpoch, Reading
 from wsn_tracking.zstack.records import FeedbackRecord, SensingRecord
-from wsn_tracking.zstack.traffic import AirEpoch, Reading
 
 
 def taken(host):

@@ -15,7 +15,7 @@ from wsn_tracking.sensing.values import Measurement, Range, RangeBearing, Reques
 from wsn_tracking.simulation.record import record
 from wsn_tracking.simulation.scenarios import scenario
 from wsn_tracking.zstack.on_board import Judge, Thresholds
-from wsn_tracking.zstack.traffic import AirEpoch, Reading
+from wsn_tracking.zstack.readings import AirEpoch, Reading
 
 NO_DRAW = np.zeros(())
 

@@ -31,10 +31,11 @@ from wsn_tracking.simulation.record import record
 from wsn_tracking.simulation.scenarios import scenario
 from wsn_tracking.sink_thread import SinkThread
 from wsn_tracking.zstack.commands import decode
+from wsn_tracking.zstack.motes import Message
 from wsn_tracking.zstack.parser import Parser
 from wsn_tracking.zstack.payload import MAX_RECORDS, PayloadType
+from wsn_tracking.zstack.readings import AirEpoch
 from wsn_tracking.zstack.simulator_settings import SimulatorConfig
-from wsn_tracking.zstack.traffic import AirEpoch, Message
 
 COMMAND = 'python -m wsn_tracking.serial_study -o docs/results'
 HERTZ, SECONDS = 10.0, 60.0

@@ -12,9 +12,9 @@ from typing import TypeVar
 from wsn_tracking.zstack.on_board import Judge, in_radius
 from wsn_tracking.zstack.pty_loop import PtyLoop
 from wsn_tracking.zstack.pty_port import PtyPort
+from wsn_tracking.zstack.readings import AirEpoch
 from wsn_tracking.zstack.simulator import Simulator
 from wsn_tracking.zstack.simulator_settings import SimulatorConfig
-from wsn_tracking.zstack.traffic import AirEpoch
 
 LONGEST_S = 60.0  # that a job may wait for its turn
 T = TypeVar('T')

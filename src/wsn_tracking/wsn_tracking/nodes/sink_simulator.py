@@ -28,9 +28,9 @@ from wsn_tracking.nodes.health import OK, Health
 from wsn_tracking.sensing.recording import Truth
 from wsn_tracking.zstack.pty_loop import PtyLoop
 from wsn_tracking.zstack.pty_port import PtyPort
+from wsn_tracking.zstack.readings import AirEpoch
 from wsn_tracking.zstack.records import FeedbackRecord
 from wsn_tracking.zstack.simulator import Measure, Simulator
-from wsn_tracking.zstack.traffic import AirEpoch
 
 TICK = 0.01  # [s]
 AT_ONCE = 1e6  # speed that stands for none

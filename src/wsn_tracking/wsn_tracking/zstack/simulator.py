@@ -19,11 +19,13 @@ from wsn_tracking.zstack.firmware.chip import Mote
 from wsn_tracking.zstack.firmware.flavour import FLAVOURS
 from wsn_tracking.zstack.frames import Frame, encode_frame
 from wsn_tracking.zstack.lqi import SCALES
+from wsn_tracking.zstack.motes import Message
 from wsn_tracking.zstack.on_board import Judge, in_radius
 from wsn_tracking.zstack.payload import DOWN, Payload, decode_payload
+from wsn_tracking.zstack.readings import AirEpoch
 from wsn_tracking.zstack.records import FeedbackRecord, SensingRecord
 from wsn_tracking.zstack.simulator_settings import SimulatorConfig
-from wsn_tracking.zstack.traffic import AirEpoch, Message, Traffic
+from wsn_tracking.zstack.traffic import Traffic
 from wsn_tracking.zstack.uplink import check_carries, uplink_of
 from wsn_tracking.zstack.wire import Wire
 

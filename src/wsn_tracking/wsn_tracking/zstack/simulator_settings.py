@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from wsn_tracking.parameters import group, param
 from wsn_tracking.zstack.firmware.flavour import FLAVOURS
 from wsn_tracking.zstack.lqi import SCALES
+from wsn_tracking.zstack.motes import TrafficConfig
 from wsn_tracking.zstack.protocols import PROTOCOLS, Radio
-from wsn_tracking.zstack.traffic import TrafficConfig
 
 
 @dataclass(frozen=True)

@@ -9,9 +9,10 @@ from wsn_tracking.zstack.commands import AfIncomingMsg, MtAppRsp, encode
 from wsn_tracking.zstack.device import Device
 from wsn_tracking.zstack.frames import encode_frame
 from wsn_tracking.zstack.lines import encode_line
+from wsn_tracking.zstack.motes import Message
 from wsn_tracking.zstack.protocols import Radio
+from wsn_tracking.zstack.readings import AirEpoch
 from wsn_tracking.zstack.reports import Report
-from wsn_tracking.zstack.traffic import AirEpoch, Message
 
 Uplink = Callable[[Message, float], list[bytes]]  # message and time -> what is written, each as a whole
 

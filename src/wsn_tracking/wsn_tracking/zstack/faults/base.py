@@ -8,7 +8,7 @@ from enum import Enum
 from typing import NamedTuple
 
 from wsn_tracking.zstack.frames import Frame
-from wsn_tracking.zstack.traffic import Message, Node
+from wsn_tracking.zstack.motes import Message, Node
 
 
 class Write(NamedTuple):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from wsn_tracking.zstack.faults.base import Fault
-from wsn_tracking.zstack.traffic import Message
+from wsn_tracking.zstack.motes import Message
 
 RETRY_S = (0.005, 0.06)  # until a node that has heard no acknowledgement repeats a message
 RELAY_S = (0.002, 0.03)  # until a broadcast comes by another way

@@ -10,7 +10,7 @@ from wsn_tracking.zstack.duplicates import SEQ_MODULUS, TIME_MODULUS
 from wsn_tracking.zstack.faults.base import Fault
 from wsn_tracking.zstack.firmware.chip import TICK_MODULUS, TICK_US
 from wsn_tracking.zstack.frames import Frame
-from wsn_tracking.zstack.traffic import Node
+from wsn_tracking.zstack.motes import Node
 
 MOVED = 0x0100  # how far the new address lies from the old one
 ROUTER = 0x8E  # capability of a mote
