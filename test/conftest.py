@@ -7,12 +7,11 @@ import signal
 import pytest
 from hypothesis import settings
 
-from radio import Heard, Radio
-
 os.environ['ROS_AUTOMATIC_DISCOVERY_RANGE'] = 'LOCALHOST'
 # Processes that run tests side by side ignore Ctrl-C, and what they start would inherit that.
 signal.signal(signal.SIGINT, signal.default_int_handler)
-settings.register_profile('patient', settings(), deadline=None)  # how long a drawn input takes says how busy it is here
+# As in src/wsn_tracking/test/conftest.py; either may be the one that is loaded.
+settings.register_profile('patient', settings(), deadline=None, derandomize=True)
 settings.load_profile('patient')
 
 
@@ -25,6 +24,8 @@ def link(tmp_path):
 @pytest.fixture
 def radio(link):
     """Starts simulated sinks behind that name; all are ended."""
+    from radio import Radio
+
     with contextlib.ExitStack() as stack:
 
         def start(world, **config):
@@ -38,6 +39,8 @@ def radio(link):
 @pytest.fixture
 def host(link):
     """Starts hosts of this project on that name; all are closed."""
+    from radio import Heard
+
     with contextlib.ExitStack() as stack:
 
         def start(**config):

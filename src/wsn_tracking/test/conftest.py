@@ -1,19 +1,16 @@
-"""What tests of several modules ask for by name, and no deadline for drawn inputs.
+"""What tests of several modules ask for by name, and how inputs are drawn.
 
-How long a drawn input takes says how busy the machine is, not whether the program is right.
+Drawn inputs are the same in every run: a red test is red for everybody. They have no deadline: how long one takes says
+how busy the machine is, not whether the program is right. Helpers are imported where they are asked for, so that their
+own settings build upon these.
 """
 
 import contextlib
 
 import pytest
-from cli_cases import Called, Started, save_bags
-from fake_sink import FakeSink
 from hypothesis import settings
-from session_cases import Host
 
-from wsn_tracking import processes
-
-settings.register_profile('patient', settings(), deadline=None)
+settings.register_profile('patient', settings(), deadline=None, derandomize=True)
 settings.load_profile('patient')
 
 
@@ -23,18 +20,26 @@ settings.load_profile('patient')
 @pytest.fixture
 def call(capsys):
     """Calls the command line."""
+    from cli_cases import Called
+
     return lambda *arguments: Called(capsys, *arguments)
 
 
 @pytest.fixture(scope='session')
 def bags(tmp_path_factory):
     """A folder of small bags, one of each kind; nobody writes into it."""
+    from cli_cases import save_bags
+
     return save_bags(tmp_path_factory.mktemp('bags'))
 
 
 @pytest.fixture
 def started(monkeypatch):
     """What would have been started."""
+    from cli_cases import Started
+
+    from wsn_tracking import processes
+
     noted = Started()
     monkeypatch.setattr(processes, 'run_graph', noted)
     return noted
@@ -52,6 +57,8 @@ def link(tmp_path):
 @pytest.fixture
 def sink(link):
     """A fake sink behind that name."""
+    from fake_sink import FakeSink
+
     with contextlib.closing(FakeSink(link)) as fake:
         yield fake
 
@@ -59,6 +66,8 @@ def sink(link):
 @pytest.fixture
 def host(link):
     """Starts hosts on that name; all are closed."""
+    from session_cases import Host
+
     with contextlib.ExitStack() as stack:
 
         def start(**config):
