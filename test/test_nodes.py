@@ -103,6 +103,36 @@ def test_bad_parameter_is_refused_in_one_line(name, setting, words):
         assert word in lines[0]
 
 
+@pytest.mark.parametrize(
+    ('name', 'arguments', 'words'),
+    [
+        ('estimator_node', ['--params-file', 'none.yaml'], ['none.yaml', 'Error opening YAML file']),
+        ('estimator_node', ['--bogus'], ['--bogus', '-p NAME:=VALUE']),
+        ('sensing_node', ['-p', 'use_sim_time:=3'], ['use_sim_time', "'BOOL'"]),
+        ('evaluator_node', ['-p', 'outputs:=[bad name]'], ['topic name', 'bad name']),
+    ],
+)
+def test_what_ros_refuses_is_told_in_one_line(name, arguments, words):
+    """rcl itself may have said something before."""
+    with live.private_domain() as environment:
+        done = ran(name, '--ros-args', *arguments, environment=environment)
+    assert done.returncode == 2
+    last = done.stderr.strip().splitlines()[-1]
+    assert last.startswith('error: ')
+    assert 'Traceback' not in done.stderr
+    assert '.c:' not in last  # places in the sources of ROS 2
+    for word in words:
+        assert word in last
+
+
+def test_a_recorder_that_is_refused_leaves_no_bag_behind(tmp_path):
+    with live.private_domain() as environment:
+        words = ['-p', f'output:={tmp_path / "new"}', '-p', 'extra_topics:=[what]']
+        done = ran('bag_recorder_node', '--ros-args', *words, environment=environment)
+    assert (done.returncode, 'topic `what` has no known type' in done.stderr) == (2, True)
+    assert not (tmp_path / 'new').exists()
+
+
 def test_the_others_go_on_when_an_estimator_is_killed(tmp_path):
     """SIGKILL in mid-run: the player says whose output fell silent, the others' fused estimates reach the end."""
     scores = tmp_path / 'scores.json'

@@ -15,7 +15,7 @@ import pytest
 PACKAGE = 'wsn_tracking'
 ROOT = Path(__file__).parents[1] / PACKAGE
 
-LEAVES = {'errors', 'parameters', 'files', 'ros_yaml'}  # text, files and errors: for everyone
+LEAVES = {'errors', 'parameters', 'files', 'ros_yaml', 'streams'}  # text, files and errors: for everyone
 
 # A room and those that it may enter; whom these may enter, it may enter as well.
 ROOMS = {

@@ -9,7 +9,7 @@ import pytest
 
 from wsn_tracking import cli
 
-COMMANDS = [module.__name__.rpartition('.')[2].replace('import_data', 'import') for module in cli.COMMANDS]
+COMMANDS = [name.replace('import_data', 'import') for name in cli.COMMANDS]
 
 
 # ---- help

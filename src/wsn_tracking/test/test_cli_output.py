@@ -5,11 +5,13 @@ from __future__ import annotations
 import contextlib
 import io
 import os
+import subprocess
 import sys
 
 import pytest
 from graph_cases import a_loop
 
+from wsn_tracking import cli
 from wsn_tracking.bags.save import save
 from wsn_tracking.cli import main
 
@@ -46,3 +48,24 @@ def test_a_terminal_sees_progress_and_a_pipe_does_not(call, bags, monkeypatch):
     ended = call('evaluate', bags / 'no_truth', '--set', 'peers=[1]')
     assert 'no_truth' in ended.err
     assert 'local_1' not in ended.err
+
+
+@pytest.mark.parametrize('closed', ['stdout', 'stderr'])
+def test_output_that_the_caller_has_closed_goes_nowhere(bags, closed):
+    """`>&-`: a bag that is opened must not become standard output."""
+    number = {'stdout': 1, 'stderr': 2}[closed]
+    words = [sys.executable, '-m', 'wsn_tracking.cli', 'info', str(bags / 'first')]
+    done = subprocess.run(
+        ['/bin/sh', '-c', f'exec "$@" {number}>&-', 'sh', *words], capture_output=True, text=True, check=False, timeout=60
+    )
+    assert (done.returncode, done.stderr) == (0, '')
+    assert ('rssi' in done.stdout) == (closed == 'stderr')
+
+
+def test_ctrl_c_while_a_command_is_imported_says_nothing(call, monkeypatch):
+    def interrupted(name):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(cli, 'import_module', interrupted)
+    ended = call('info', 'bag')
+    assert (ended.code, ended.out, ended.err) == (130, '', '')

@@ -24,12 +24,21 @@ CLASSES = {
 }
 
 
+def _kind_of(topic: str) -> str:
+    """The type of a topic by its name."""
+    name = ODOMETRY if topic.startswith('odometry/') else expected_type(topic)
+    if name is None:
+        raise TrackingError(f'topic `{topic}` has no known type: expected rssi, truth/..., estimate/... and the like')
+    return name
+
+
 class BagRecorderNode(TrackingNode[RecorderConfig]):
     """Subscribes the base topics and one entry level; ends when the feed has ended and all is quiet."""
 
     def __init__(self) -> None:
         super().__init__('bag_recorder_node', RecorderConfig)
         config = self.config
+        kinds = {topic: _kind_of(topic) for topic in self._topics()}
         entries = dict(entry.partition('=')[::2] for entry in config.metadata if entry)
         self._writer = BagWriter(config.output, {'entry_level': config.entry_level, **entries})
         self._counts: Counter[str] = Counter()
@@ -37,8 +46,8 @@ class BagRecorderNode(TrackingNode[RecorderConfig]):
         self._going: set[int] = set()  # targets whose feed has not ended
         self._ended = False
         self._last = time.monotonic()
-        for topic in self._topics():
-            self._record(topic)
+        for topic, kind in kinds.items():
+            self._record(topic, kind)
         self.create_timer(0.05, self._finish)
 
     def _topics(self) -> list[str]:
@@ -47,13 +56,7 @@ class BagRecorderNode(TrackingNode[RecorderConfig]):
         extra = [topic for topic in self.config.extra_topics if topic]
         return ['anchors', 'request', *level, 'epoch_end', *truths, *extra]
 
-    def _record(self, topic: str) -> None:
-        type_name = ODOMETRY if topic.startswith('odometry/') else expected_type(topic)
-        if type_name is None:
-            raise TrackingError(
-                f'topic `{topic}` has no known type: expected rssi, truth/..., estimate/... and the like'
-            )
-
+    def _record(self, topic: str, type_name: str) -> None:
         def callback(cdr: bytes) -> None:
             self._last = time.monotonic()
             self._counts[topic] += 1

@@ -31,6 +31,7 @@ from wsn_tracking.nodes.declaring import declare, qos_overrides, warn_of_strange
 from wsn_tracking.nodes.executor import make_executor
 from wsn_tracking.nodes.health import Health, flow
 from wsn_tracking.nodes.matching import Matching
+from wsn_tracking.nodes.refusals import REFUSALS, one_line
 from wsn_tracking.nodes.shared_memory import remove_unfinished
 
 Config = TypeVar('Config')
@@ -181,25 +182,26 @@ class TrackingNode(Node, Generic[Config]):
 
 
 def run(make: Callable[[], TrackingNode[Any]]) -> None:
-    """Spin a node until it is finished, interrupted or told to stop; wrong parameters end it with one line."""
+    """Spin a node until it is finished, interrupted or told to stop; what is wrong at its start is told in one line."""
     remove_unfinished()
-    rclpy.init()
-    code = 0
-    node = None
+    code, begun, node = 0, False, None
     try:
+        rclpy.init()
+        begun = True
         node = make()
         make_executor(node).spin()
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
     except Finished as finished:
         code = finished.code
-    except TrackingError as error:
-        print(f'error: {error}', file=sys.stderr)
-        code = 2
-    except Exception:
-        if rclpy.ok():  # type: ignore[attr-defined]
-            raise
-        # a signal has shut the context down while the node was being made: that is an end like any other
+    except (TrackingError, OSError) as error:
+        code = _told(str(error))
+    except Exception as error:
+        # where a signal has shut the context down while the node was being made, that is an end like any other
+        if not begun or rclpy.ok():  # type: ignore[attr-defined]
+            if node is not None or not isinstance(error, REFUSALS):
+                raise
+            code = _told(one_line(error))
     finally:
         for number in (signal.SIGINT, signal.SIGTERM):  # the end has begun: a second request must not break it
             signal.signal(number, signal.SIG_IGN)
@@ -209,12 +211,16 @@ def run(make: Callable[[], TrackingNode[Any]]) -> None:
     sys.exit(code)
 
 
+def _told(error: str) -> int:
+    """The exit code of an error, which has been told."""
+    print(f'error: {error}', file=sys.stderr)
+    return 2
+
+
 def _ended(node: TrackingNode[Any], code: int) -> int:
     """The exit code once a node has cleaned up; what goes wrong then is told unless it went wrong before."""
     try:
         node.destroy_node()
     except TrackingError as error:
-        if code == 0:
-            print(f'error: {error}', file=sys.stderr)
-            return 2
+        return code or _told(str(error))
     return code

@@ -24,6 +24,7 @@ from wsn_tracking.nodes.dropped import dropped_input
 from wsn_tracking.nodes.health import Health, truth, worst
 from wsn_tracking.sensing.recording import Truth
 from wsn_tracking.sensing.values import EpochEnd, TriggerReport
+from wsn_tracking.streams import give_up_output
 from wsn_tracking.trackers.estimate import Estimate
 from wsn_tracking.trackers.fusing import compared
 
@@ -124,7 +125,10 @@ class EvaluatorNode(TrackingNode[EvaluatorConfig]):
 
     def _tell(self) -> None:
         summary = self._summary()
-        print(format_table(summary, colour=wants_colour(sys.stdout)), flush=True)
+        try:
+            print(format_table(summary, colour=wants_colour(sys.stdout)), flush=True)
+        except BrokenPipeError:
+            give_up_output()
         if self.config.json:
             write_json(self.config.json, summary)
         if self.config.plot:

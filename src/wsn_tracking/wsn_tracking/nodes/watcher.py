@@ -10,13 +10,16 @@ from contextlib import contextmanager
 from typing import Any
 
 import rclpy
+from rclpy.exceptions import NameValidationException
 from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
 from rclpy.subscription import Subscription
+from rclpy.validate_namespace import validate_namespace
 
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.evaluation.scene import Scene
+from wsn_tracking.nodes.refusals import one_line
 from wsn_tracking.nodes.scenery import Scenery
 from wsn_tracking.nodes.shared_memory import remove_unfinished
 
@@ -75,6 +78,10 @@ class Watcher:
 @contextmanager
 def watching(scene: Scene, choose: Callable[[Iterable[str]], Sequence[str]], namespace: str = '') -> Iterator[Watcher]:
     """A watcher in the domain and namespace of a graph; an interrupt ends the block as if it were at its end."""
+    try:
+        validate_namespace(f'/{namespace.strip("/")}')
+    except NameValidationException as error:
+        raise TrackingError(one_line(error)) from error
     remove_unfinished()
     rclpy.init()
     node = rclpy.create_node(f'watch_{os.getpid()}', namespace=namespace)
