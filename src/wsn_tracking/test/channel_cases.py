@@ -17,11 +17,13 @@ POSITIONS = [[0.0, 0.0, 2.0], [8.0, 0.0, 2.0], [0.0, 8.0, 2.0]]
 
 
 def quantity(*values):
+    """Values with a deviation of 0.1 and an interval of 0.2 to both sides."""
     value = np.array(values, dtype=np.float64)
     return Quantity(value, np.full(value.size, 0.1), value - 0.2, value + 0.2)
 
 
 def a_channel(map_too=True, ranging=True):
+    """Fitted to readings of radios of -55 dBm and exponent 2 in a field of 3 dB."""
     rng = np.random.default_rng(0)
     anchors = make_anchors(IDS, POSITIONS, p1_dbm=-55.0, n=2.0)
     places = np.column_stack([rng.uniform(0.0, 8.0, (25, 2)), np.ones(25)])
@@ -40,6 +42,7 @@ GOOD = channel_text(a_channel())
 
 
 def changed(pattern, new, count=1):
+    """The text of a good file in which `pattern` is replaced."""
     text, n = re.subn(pattern, new, GOOD, count=count, flags=re.DOTALL)
     assert n
     return text

@@ -20,6 +20,7 @@ FAULTS = {
 
 
 def epochs(k, living=IDS):
+    """Epoch k for every node that lives."""
     return dict.fromkeys(living, epoch_of(k, Z[k]))
 
 
@@ -30,4 +31,5 @@ def pair(config=None):
 
 
 def reading(k):
+    """Epoch k as two neighbours read it."""
     return epoch_of(k, np.array([[70.0, 0.8], [50.0, 1.7]]))

@@ -105,6 +105,7 @@ def interleaved(queues, rng, ahead=math.inf):
 
 
 def run_of(numbers, at, assembler, now=0.0):
+    """The numbers of the epochs that a feed of these requests, one a second from `at` on, is assembled to."""
     out = []
     for k, number in enumerate(numbers):
         give(assembler, Request(stamp(at + k), 1, number), now)

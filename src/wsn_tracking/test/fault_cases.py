@@ -12,6 +12,7 @@ ALL = expected(WORLD)
 
 
 def ran(*faults, world=None, **config):
+    """A host that has heard a whole world through a sink with these faults."""
     return Host(WORLD if world is None else world, faults=faults, **config).run()
 
 
@@ -25,8 +26,10 @@ def judged(host):
 
 
 def strikes(host):
+    """How often faults have struck."""
     return sum(fault.strikes for fault in host.simulator.faults)
 
 
 def writes(host):
+    """What was written to the line, write by write."""
     return [action for _, action in host.actions if isinstance(action, bytes)]

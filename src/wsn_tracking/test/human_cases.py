@@ -33,14 +33,17 @@ EPOCHS, TRUTH = epochs()
 
 
 def run(tracker, sequence=EPOCHS):
+    """What a tracker tells of each epoch."""
     return [tracker.step(epoch) for epoch in sequence]
 
 
 def packet(node, dbm, k=0, sigma=NAN):
+    """A reading [dBm] of a node in epoch k."""
     return Rssi(START_NS, node, TARGET, k, k, dbm, sigma)
 
 
 def bounded(estimates, area=AREA):
+    """That estimates are usable and lie in the area, with no more variance than it has room for."""
     width, depth = area[2] - area[0], area[3] - area[1]
     for estimate in estimates:
         check_usable(estimate)

@@ -24,15 +24,18 @@ def epochs(loss=0.3, seed=1):
 
 
 def tracked(config, given, anchors=ANCHORS):
+    """The estimates of these epochs, and the tracker that made them."""
     tracker = LossTolerantTracker(config, anchors)
     return [tracker.step(epoch)[0] for epoch in given], tracker
 
 
 def errors(estimates, truth):
+    """Distances (K,) [m]."""
     return np.array([np.hypot(*(e.mean[:2] - x[:2])) for e, x in zip(estimates, truth, strict=True)])
 
 
 def is_usable(estimate):
+    """Whether an estimate is finite and definite."""
     P = estimate.covariance
     return bool(np.all(np.isfinite(estimate.mean)) and np.all(np.isfinite(P)) and np.linalg.eigvalsh(P)[0] > 0.0)
 

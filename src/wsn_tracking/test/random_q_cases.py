@@ -26,17 +26,20 @@ def epoch(k, z, **fields):
 
 
 def epochs(seed=1, count=20):
+    """The first epochs of a_loop behind its event trigger."""
     step = trigger.event(trigger.EventThresholds(alpha=LOOP.alpha))
     sensed = sense(LOOP, repeated(LOOP, 1), step, np.random.default_rng(seed))
     return [epoch(k, z) for k, z in enumerate(sensed.z[0, :count])]
 
 
 def run(config, sequence, number=1):
+    """The estimates of one local estimator."""
     estimator = LocalEstimator(config, LOOP.anchors, number)
     return [estimator.step(e) for e in sequence]
 
 
 def locals_of(seed, count=3, k=0):
+    """Estimates of `count` peers in epoch k, anywhere."""
     rng = np.random.default_rng(seed)
     roots = rng.standard_normal((count, 4, 4)) * 0.05 + 0.1 * np.eye(4)
     return [

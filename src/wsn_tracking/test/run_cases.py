@@ -17,9 +17,11 @@ AREA = (0.0, 0.0, 3.6, 2.4)
 
 
 def estimators(n=3, **options):
+    """Estimators 1 to n that fuse each other."""
     base = EstimatorConfig(peers=tuple(range(1, n + 1)), input='range', area=AREA, **options)
     return [dataclasses.replace(base, id=number) for number in range(1, n + 1)]
 
 
 def run(recording=None, sensing=SENSING, configs=None, target_id=-1):
+    """What they make of a recording, twelve epochs of a_loop where nothing else is said."""
     return run_random_q(recording or a_loop(12), sensing, configs or estimators(), target_id)

@@ -10,10 +10,12 @@ S = 1_000_000_000
 
 
 def report(seq, sent=(), silent=(), reasons=(), target=1):
+    """What the sensing nodes told of the epoch at second `seq`."""
     return TriggerReport(seq * S, target, seq, sent, tuple(range(len(sent))), silent, reasons)
 
 
 def filled(epochs=60, length=20):
+    """A scene that has seen a white track and its truth."""
     truth, estimates = noisy_track(epochs=epochs)
     scene = Scene(length)
     scene.add_anchors(make_anchors(range(1, 5), [(0, 0), (8, 0), (8, 4), (0, 4)]))

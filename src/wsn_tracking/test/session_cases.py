@@ -69,6 +69,7 @@ class Host:
 
 
 def data(seq, **more):
+    """The bytes of a report."""
     return line_bytes(message(report_payload(seq=seq), ticks=1000 * seq, **more))
 
 

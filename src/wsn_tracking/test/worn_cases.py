@@ -15,6 +15,7 @@ SECOND = 1_000_000_000
 
 
 def exact(value):
+    """The same for each of 16 nodes, with its interval."""
     return Quantity(*(np.full(16, v) for v in (value, 0.1, value - 0.2, value + 0.2)))
 
 
@@ -28,6 +29,7 @@ KNOWN = Channel(
 
 
 def walked(config=None, seed=1):
+    """A recording of a walk among them."""
     return record(body_scenario('c_walk', config or BodyConfig(), seed), seed)
 
 
