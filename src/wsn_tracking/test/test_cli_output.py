@@ -56,7 +56,11 @@ def test_output_that_the_caller_has_closed_goes_nowhere(bags, closed):
     number = {'stdout': 1, 'stderr': 2}[closed]
     words = [sys.executable, '-m', 'wsn_tracking.cli', 'info', str(bags / 'first')]
     done = subprocess.run(
-        ['/bin/sh', '-c', f'exec "$@" {number}>&-', 'sh', *words], capture_output=True, text=True, check=False, timeout=60
+        ['/bin/sh', '-c', f'exec "$@" {number}>&-', 'sh', *words],
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=60,
     )
     assert (done.returncode, done.stderr) == (0, '')
     assert ('rssi' in done.stdout) == (closed == 'stderr')
