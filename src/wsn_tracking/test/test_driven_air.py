@@ -16,8 +16,8 @@ from wsn_tracking.simulation import d_cells
 from wsn_tracking.simulation.d_cells import CellsConfig
 from wsn_tracking.simulation.driven import FIRST, SECOND, FollowConfig, phase_error
 from wsn_tracking.trackers.estimate import PLANAR_STATES, Estimate, Kind
+from wsn_tracking.zstack.downlink import Told
 from wsn_tracking.zstack.records import FeedbackRecord, SensingRecord
-from wsn_tracking.zstack.simulator import Told
 
 BEGUN, LINK = 1000.0, 0.05  # [s] of the clock; from where a robot is to where it is told to be
 EXACT = CellsConfig(lasts=12.0, range_std=0.0)

@@ -4,7 +4,7 @@ from fault_cases import WORLD
 from sink_cases import Host
 
 from wsn_tracking.zstack import commands as c
-from wsn_tracking.zstack.simulator import Plug
+from wsn_tracking.zstack.outlet import Plug
 
 
 def test_reset_in_mid_run_silences_it_until_it_is_registered_again():

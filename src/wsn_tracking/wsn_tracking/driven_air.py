@@ -14,9 +14,9 @@ from wsn_tracking.parameters import group, param
 from wsn_tracking.simulation import d_cells
 from wsn_tracking.simulation.d_cells import CellsConfig, Ranging
 from wsn_tracking.simulation.driven import FIRST, SECOND, DrivenRobot, FollowConfig
+from wsn_tracking.zstack.downlink import Told
 from wsn_tracking.zstack.readings import AirEpoch, Reading
 from wsn_tracking.zstack.records import FeedbackRecord
-from wsn_tracking.zstack.simulator import Told
 
 Sample = tuple[float, Floats]  # time [s] since the first request, state [x, y, vx, vy]
 

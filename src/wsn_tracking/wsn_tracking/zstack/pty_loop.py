@@ -6,8 +6,9 @@ import time
 from collections import deque
 from collections.abc import Callable
 
+from wsn_tracking.zstack.outlet import Plug
 from wsn_tracking.zstack.pty_port import PtyPort
-from wsn_tracking.zstack.simulator import Plug, Simulator
+from wsn_tracking.zstack.simulator import Simulator
 
 LONGEST_WAIT_S = 0.05  # between two looks at whether to begin, or to stop
 WAITING_BYTES = 1 << 20  # for a host that does not read; beyond, the oldest are lost

@@ -8,12 +8,11 @@ from __future__ import annotations
 
 from collections import Counter, deque
 from collections.abc import Callable, Sequence
-from enum import Enum
-from typing import NamedTuple
 
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.zstack.agenda import Agenda
 from wsn_tracking.zstack.device import DEFAULT_NETWORK, Device
+from wsn_tracking.zstack.downlink import Downlink, Told
 from wsn_tracking.zstack.faults import Event, Happening, parse_faults
 from wsn_tracking.zstack.firmware.chip import Mote
 from wsn_tracking.zstack.firmware.flavour import FLAVOURS
@@ -21,36 +20,16 @@ from wsn_tracking.zstack.frames import Frame, encode_frame
 from wsn_tracking.zstack.lqi import SCALES
 from wsn_tracking.zstack.motes import Message
 from wsn_tracking.zstack.on_board import Judge, in_radius
-from wsn_tracking.zstack.payload import DOWN, Payload, decode_payload
+from wsn_tracking.zstack.outlet import Action, Outlet
 from wsn_tracking.zstack.readings import AirEpoch
-from wsn_tracking.zstack.records import FeedbackRecord, SensingRecord
 from wsn_tracking.zstack.simulator_settings import SimulatorConfig
 from wsn_tracking.zstack.traffic import Traffic
 from wsn_tracking.zstack.uplink import check_carries, uplink_of
-from wsn_tracking.zstack.wire import Wire
 
 ROBOT_ADDRESS, ROBOTS = 0xF100, 256  # network addresses of the robots
 ROBOT_IEEE = 0x00124B0014F00000
-MAX_TOLD = 1000  # messages from the host that are kept
-QUIET_S = 0.03  # of the line, after which faults give out what they hold back
 
 
-class Plug(Enum):
-    """What happens to the port."""
-
-    IN = 'in'
-    OUT = 'out'
-
-
-class Told(NamedTuple):
-    """What the host has told the nodes: position feedback, or a sensing command."""
-
-    time_s: float
-    dst: int
-    record: FeedbackRecord | SensingRecord
-
-
-Action = bytes | Plug
 Witness = Callable[[Message, bool], None]  # a message that the radio received, and whether the host is given it
 Measure = Callable[[AirEpoch, float], AirEpoch]  # a request as it is said, and when: what the nodes measure of it
 
@@ -73,16 +52,14 @@ class Simulator:
         self.traffic = Traffic(config.traffic, config.radio, SCALES[config.lqi_scale], config.seed, on_board)
         self.witness: Witness = lambda message, given: None
         self.measure: Measure = lambda epoch, now: epoch
-        self.told: deque[Told] = deque(maxlen=MAX_TOLD)
         self.counters: Counter[str] = Counter()
         self.sent: list[float] = []  # when each epoch was sent, so far
         self._uplink = uplink_of(config.sink_protocol, self.device, config.radio)
         self._agenda: Agenda[Callable[[], None]] = Agenda()
-        self._wire = Wire(self.faults, config.baud, self._agenda.at, self._put)
-        self._actions: list[Action] = []
-        self._now = self._muted_until = now
-        self._plugged = True
-        self._appear()
+        self._now = now
+        self._outlet = Outlet(self.faults, config.baud, self._agenda, lambda: self._now, self.counters)
+        self._downlink = Downlink(config.cluster, self.traffic, self.counters)
+        self._outlet.plug_in()
 
     def begin(self, now: float) -> None:
         """The world begins."""
@@ -111,7 +88,7 @@ class Simulator:
         """What the host says."""
         self._advance(now)
         self.counters['bytes_heard'] += len(data)
-        if not self._speaks or self._config.sink_protocol == 'ascii':
+        if not self._outlet.is_open or self._config.sink_protocol == 'ascii':
             return
         for request in self.device.reader.feed(data):
             self.counters['requests'] += 1
@@ -119,18 +96,17 @@ class Simulator:
                 self._say(self.device.refuse(request))
             else:
                 self._reply(request, self.device.answer(request, now))
-        self._listen()
+        self._downlink.take(self.device.chip.sent)
 
     def poll(self, now: float) -> list[Action]:
         """What is to be done by now, in order."""
         self._advance(now)
-        actions, self._actions = self._actions, []
-        return actions
+        return self._outlet.take()
 
     @property
     def due(self) -> float:
         """When `poll` will have something."""
-        return self._now if self._actions else min(self._agenda.due, self.device.due)
+        return self._now if self._outlet.waits else min(self._agenda.due, self.device.due)
 
     @property
     def delivers(self) -> bool:
@@ -140,12 +116,17 @@ class Simulator:
     @property
     def finished(self) -> bool:
         """Whether everything was sent."""
-        return not self.to_come and self._agenda.due == float('inf') and not self._actions
+        return not self.to_come and self._agenda.due == float('inf') and not self._outlet.waits
 
     @property
     def to_come(self) -> int:
         """Epochs that were not sent yet."""
         return len(self._epochs) - len(self.sent)
+
+    @property
+    def told(self) -> deque[Told]:
+        """What the host has told the nodes."""
+        return self._downlink.told
 
     # ---- within
 
@@ -161,10 +142,6 @@ class Simulator:
             first_tick=tick,
             now=now,
         )
-
-    @property
-    def _speaks(self) -> bool:
-        return self._plugged and self._now >= self._muted_until
 
     def _advance(self, now: float) -> None:
         """Everything up to now, in order."""
@@ -212,7 +189,7 @@ class Simulator:
 
     def _receive(self, message: Message) -> None:
         """The sink's radio has received a message."""
-        if not self._speaks:
+        if not self._outlet.is_open:
             self.counters['messages_in_outage'] += 1
             self.witness(message, False)
             return
@@ -220,7 +197,7 @@ class Simulator:
         said = self._uplink(message, self._now)
         self.witness(message, bool(said))
         for data in said:
-            self._write(data)
+            self._outlet.write(data)
 
     # ---- what happens to the sink
 
@@ -229,23 +206,16 @@ class Simulator:
         end = self._now + happening.seconds
         if happening.event is Event.RESET:
             self.device.reset(self._now)
-            self._put(b''.join(fault.at_plug() for fault in self.faults))
+            self._outlet.put_first()
         elif happening.event is Event.MUTE:
-            self._muted_until = end
+            self._outlet.mute(end)
         else:
-            self._plugged = False
-            self._wire.clear()
-            self._actions.append(Plug.OUT)
+            self._outlet.pull()
             self._agenda.at(end, self._plug_in)
 
     def _plug_in(self) -> None:
         self.device.power_cycle(self._now)
-        self._plugged = True
-        self._appear()
-
-    def _appear(self) -> None:
-        self._actions.append(Plug.IN)
-        self._put(b''.join(fault.at_plug() for fault in self.faults))
+        self._outlet.plug_in()
 
     # ---- what the sink says
 
@@ -262,35 +232,4 @@ class Simulator:
 
     def _say(self, frames: Sequence[Frame]) -> None:
         for frame in frames:
-            self._write(encode_frame(frame))
-
-    def _write(self, data: bytes) -> None:
-        if self._speaks:
-            self._wire.write(data, self._now)
-            if self.faults:
-                self._agenda.at(self._now + QUIET_S, lambda: self._wire.flush(self._now))
-
-    def _put(self, data: bytes) -> None:
-        if data and self._speaks:
-            self.counters['bytes_said'] += len(data)
-            self._actions.append(data)
-
-    # ---- what the host says to the nodes
-
-    def _listen(self) -> None:
-        sent = self.device.chip.sent
-        while sent:
-            message = sent.popleft()
-            payload = decode_payload(message.data)
-            ours = message.cluster == self._config.cluster and isinstance(payload, Payload) and payload.type in DOWN
-            if not ours or not isinstance(payload, Payload):
-                self.counters['not_understood'] += 1
-                continue
-            for record in payload.records:
-                if isinstance(record, SensingRecord):
-                    self.counters['sensing_command'] += 1
-                    self.traffic.command(record)
-                    self.told.append(Told(message.time_s, message.dst, record))
-                elif isinstance(record, FeedbackRecord):
-                    self.counters['feedback'] += 1
-                    self.told.append(Told(message.time_s, message.dst, record))
+            self._outlet.write(encode_frame(frame))
