@@ -23,7 +23,8 @@ from wsn_tracking.sensing.floor_plan import read_floor_plan
 from wsn_tracking.sensing.values import Epoch
 from wsn_tracking.trackers.estimate import Estimate, Kind
 from wsn_tracking.trackers.human_config import HumanConfig
-from wsn_tracking.trackers.human_filter import FLOOR, Area, HumanFilter, Step
+from wsn_tracking.trackers.human_filter import FLOOR, HumanFilter, Step
+from wsn_tracking.trackers.human_places import Area
 from wsn_tracking.trackers.human_readings import SignalTable
 from wsn_tracking.trackers.human_report import HumanReport
 

@@ -17,17 +17,15 @@ from wsn_tracking.models.body_likelihood import BodyLikelihood, Readings, Scored
 from wsn_tracking.models.map_excess import excess
 from wsn_tracking.models.radio_map import RadioMap
 from wsn_tracking.models.region import Region
-from wsn_tracking.models.walk import PLANAR, STATES, X, Y, beyond, drawn, kept
+from wsn_tracking.models.walk import PLANAR, STATES, kept
 from wsn_tracking.trackers.human_config import HumanConfig
 from wsn_tracking.trackers.human_models import drift_of, kld_of, transition_of, walk_of
+from wsn_tracking.trackers.human_places import Area, Places
 
 LONGEST_STEP = 1.0  # [s] of one transition of a walk, and of a straight way that must not meet a wall
 FLOOR = 1e-3  # [m, m/s] least standard deviation that is told
-ABOUT = 0.8  # share of the places of a new start that are about where he may have gone meanwhile
 NOBODY = np.zeros((), dtype=np.bool_)
 BEHIND = slice(STATES, None)  # rows of particles behind those of the walk: offsets of the links
-
-Area = tuple[float, float, float, float]
 
 
 class Track(NamedTuple):
@@ -77,20 +75,19 @@ class HumanFilter:
         self.likelihood = BodyLikelihood(
             config.kernel, anchors.positions, config.target_height, config.signal.least_distance
         )
-        self._walk = walk_of(config)
         self._transition = transition_of(config)
         steps = config.motion_kind == 'walk' or (config.motion_kind == 'random_walk' and floor is not None)
         self._longest = LONGEST_STEP if steps else math.inf
-        self._floor = floor
         self._map = radio_map
         self._drift = drift_of(config)
         self._nodes = anchors.ids.size
+        self._places = Places(area, floor, walk_of(config), self._nodes if self._drift is not None else 0)
         self._resample = RESAMPLERS[config.resampling.kind]
         self._kld = kld_of(config)
 
     def begin(self, runs: tuple[int, ...], generator: np.random.Generator) -> Track:
         """Particles anywhere."""
-        s = self._anywhere(runs, self.config.particles, generator)
+        s = self._places.anywhere(runs, self.config.particles, generator)
         V = None if self._drift is None else unknown(self._drift, (*runs, self._nodes), 1).V
         return Track(equal(s), np.full(runs, self.config.draws == 0), np.zeros(runs, dtype=np.int64), V=V)
 
@@ -160,16 +157,8 @@ class HumanFilter:
         steps = max(math.ceil(dt / self._longest), 1)
         for _ in range(steps):
             after = self._transition(s, dt / steps, generator)
-            s = kept(s, after, self._lost(s, after), generator)
+            s = kept(s, after, self._places.left(s, after), generator)
         return s
-
-    def _lost(self, before: Floats, after: Floats) -> Mask:
-        """Which particles have left the area or the floor, or walked through a wall."""
-        out = beyond(after, self.area)
-        if self._floor is None:
-            return out
-        ways = [np.swapaxes(s[..., X : Y + 1, :], -1, -2) for s in (before, after)]
-        return np.asarray(out | ~self._floor.contains(ways[1]) | self._floor.crossed(*ways))
 
     def _is_thin(self, silent: Floats | float) -> Mask:
         """Where nothing was heard for so long that the particles are too thin for an epoch to choose among them."""
@@ -190,17 +179,6 @@ class HumanFilter:
         return strikes, np.asarray((strikes >= self.config.reset_epochs) & track.started)
 
     # ---- placing particles
-
-    def _anywhere(self, runs: tuple[int, ...], n: int, generator: np.random.Generator) -> Floats:
-        x_min, y_min, x_max, y_max = self.area
-        corner, size = np.array([[x_min], [y_min]]), np.array([[x_max - x_min], [y_max - y_min]])
-        places: Floats = corner + size * generator.random((*runs, 2, n))
-        if self._floor is not None:
-            places = _rather_inside(places, self._floor)
-        s = drawn(self._walk, places, generator)
-        if self._drift is None:
-            return s
-        return np.concatenate([s, unknown(self._drift, (*runs, self._nodes), n).b], axis=-2)
 
     def _placed(
         self,
@@ -224,9 +202,11 @@ class HumanFilter:
             readings = widened(readings, V)
         z, sigma = (column[anew] if batch else column for column in readings[:2])
         n = max(self.config.draws, P)
-        candidates = self._anywhere(z.shape[:-1], n, generator)
+        candidates = self._places.anywhere(z.shape[:-1], n, generator)
         if near is not None:
-            candidates = self._about(candidates, near, thin[anew] if batch else thin, anew, generator)
+            of_them = Cloud(near.s[anew], near.log_w[anew]) if batch else near
+            thin = thin[anew] if batch else thin
+            candidates = self._places.about(candidates, of_them, thin, self._resample, generator)
         scored, _ = reweighed(equal(candidates), self.score(candidates, readings._replace(z=z, sigma=sigma)).l)
         new = taken(candidates, self._resample(scored.w, P, generator))
         came_from = self._resample(cloud.w, P, generator)
@@ -237,24 +217,6 @@ class HumanFilter:
         else:
             s, log_w, _ = equal(new)
         return Cloud(s, log_w), descended(parents, came_from), V
-
-    def _about(self, candidates: Floats, near: Cloud, thin: Mask, anew: Mask, generator: np.random.Generator) -> Floats:
-        """The candidates (..., S, n), where `thin` with a share ABOUT of their places drawn from a smoothed cloud.
-
-        The kernel is Gaussian, with Silverman's bandwidth for two dimensions.
-        """
-        s, w = (near.s[anew], near.w[anew]) if np.ndim(anew) else (near.s, near.w)
-        places, m = s[..., X : Y + 1, :], round(ABOUT * candidates.shape[-1])
-        std = np.sqrt(np.maximum(np.diagonal(moments(places, w)[1], axis1=-2, axis2=-1), 0.0))
-        drawn_ = taken(places, self._resample(w, m, generator))
-        drawn_ = drawn_ + (w.shape[-1] ** (-1.0 / 6.0) * std)[..., None] * generator.standard_normal(drawn_.shape)
-        x_min, y_min, x_max, y_max = self.area
-        drawn_ = np.clip(drawn_, [[x_min], [y_min]], [[x_max], [y_max]])
-        if self._floor is not None:
-            drawn_ = _rather_inside(drawn_, self._floor)
-        after = candidates.copy()
-        np.copyto(after[..., X : Y + 1, :m], drawn_, where=thin[..., None, None])
-        return after
 
     def _next(
         self, cloud: Cloud, w: Floats, n_eff: Floats, generator: np.random.Generator
@@ -291,13 +253,3 @@ def _with_offsets(s: Floats, offsets: Offsets) -> tuple[Floats, Floats]:
     s = s.copy()
     s[..., BEHIND, :] = offsets.b
     return s, offsets.V
-
-
-def _rather_inside(places: Floats, floor: Region) -> Floats:
-    """Places (..., 2, n) of which those outside are moved onto others of their run that are inside, if any are."""
-    good = floor.contains(np.swapaxes(places, -1, -2))
-    order = np.argsort(~good, axis=-1, kind='stable')  # those inside come first
-    count = np.maximum(good.sum(axis=-1, keepdims=True), 1)
-    chosen = np.take_along_axis(order, np.arange(places.shape[-1]) % count, axis=-1)
-    chosen = np.where(good.any(axis=-1, keepdims=True), chosen, np.arange(places.shape[-1]))
-    return np.take_along_axis(places, chosen[..., None, :], axis=-1)
