@@ -164,6 +164,25 @@ def test_what_is_not_a_number_is_null_and_fails():
     assert 'svg' in page(made)
 
 
+def test_what_was_changed_since_the_commit_is_told(tmp_path, monkeypatch):
+    """Anywhere in the package."""
+    module, filters = tmp_path / 'package' / 'reproduction' / 'content.py', tmp_path / 'package' / 'filters.py'
+    module.parent.mkdir(parents=True)
+    for path in (module, filters):
+        path.write_text('')
+
+    def git(*arguments):
+        subprocess.run(['git', '-C', str(tmp_path), *arguments], check=True, capture_output=True)  # noqa: S607
+
+    git('init')
+    git('add', '.')
+    git('-c', 'user.name=n', '-c', 'user.email=e', 'commit', '-m', 'm')
+    monkeypatch.setattr(contents, '__file__', str(module))
+    assert re.fullmatch('[0-9a-f]{12}', contents.commit())
+    filters.write_text('changed')
+    assert re.fullmatch('[0-9a-f]{12} with changes', contents.commit())
+
+
 def test_sources_outside_of_a_working_copy_have_no_commit(monkeypatch):
     assert contents.commit()
     monkeypatch.setenv('PATH', '')

@@ -26,7 +26,7 @@ class Setting(NamedTuple):
 
 def commit() -> str:
     """Of the sources, and whether they were changed since; `unknown` outside of a working copy."""
-    folder = Path(__file__).parent
+    folder = Path(__file__).resolve().parents[1]  # the whole package: filters count as much as claims
 
     def git(*arguments: str) -> str:
         ended = subprocess.run(

@@ -146,9 +146,11 @@ WHAT = (
     ),
     (
         'Below are first the count of verdicts, then every claim in one line, then advice on what to use when. After '
-        'that each article has its chapter: what it says, and what turned out to be better. The last chapter compares '
-        'all systems on the same recordings, simulated and, where they were at hand, real ones.'
+        'that each article has its chapter: what it says, and what turned out to be better.'
     ),
+)
+COMPARED = (
+    'The last chapter compares all systems on the same recordings, simulated and, where they were at hand, real ones.'
 )
 
 HOW = (

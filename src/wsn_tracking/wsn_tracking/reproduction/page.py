@@ -61,7 +61,9 @@ def page(content: Json) -> str:
 def _opening(content: Json, found: Mapping[str, str]) -> Iterator[str]:
     """What was done, what came out, what the words mean."""
     yield '<h1>Five documents on tracking with wireless sensor networks, computed anew</h1>'
-    yield from (f'<p>{escape(text)}</p>' for text in guide.WHAT)
+    yield from (
+        f'<p>{escape(text)}</p>' for text in (*guide.WHAT, *([guide.COMPARED] if content.get('tables') else []))
+    )
     documents = [letter for letter in guide.DOCUMENTS if any(c['document'] == letter for c in content['claims'])]
     links = [f'<a href="#{letter}">{letter}. {escape(guide.DOCUMENTS[letter].title)}</a>' for letter in documents]
     links += [f'<a href="#{table["id"]}">{escape(table["title"])}</a>' for table in content.get('tables', ())]
