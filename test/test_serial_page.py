@@ -7,6 +7,7 @@ import re
 import struct
 
 from live import ROOT
+from quotes import quoted, table, told
 from wsn_tracking import bridging
 from wsn_tracking.zstack import intake, lines, parser
 from wsn_tracking.zstack.counters import new_counters
@@ -70,3 +71,30 @@ def test_figures_are_those_of_the_study():
     assert [tuple(map(float, row)) for row in quoted] == told
     assert latency['median'] < 5.0
     assert run['bridge_share_of_a_core'] < 0.2
+
+
+def test_what_whole_decibels_cost_is_quoted():
+    found = json.loads((ROOT / 'docs' / 'results' / 'whole_db.json').read_text('utf-8'))['studies']['whole_db']
+    rounded = {
+        'no': 'exact',
+        'behind it (on board)': 'behind',
+        'before the trigger (on the host)': 'before',
+        'yes': 'before',
+    }
+    assert found['runs'] == int(told('three scenarios of system A (@ runs', PAGE)[0])
+    grown = []
+    for scenario, trigger, how, share, sent, *errors in table(PAGE, 'scenario | trigger | rounded'):
+        kept = found[scenario.strip('`')][trigger.strip('`')][rounded[how]]
+        quoted((share, kept['sent_of_in_radius']['value']), (sent, kept['sent_a_run']['value']))
+        for text, name in zip(errors, ('ei_cm_document', 'ei_cm_iplf'), strict=True):
+            value, half = text.split(' ± ')
+            low, high = kept[name]['interval_95']
+            quoted((value, kept[name]['value']), (half, 0.5 * (high - low)))
+        if how != 'no':
+            grown += [kept[f'{name}_of_exact']['value'] for name in ('document', 'iplf')]
+    (most, least) = told(
+        "**The error grows by up to @ percent**, but on `a_heading` behind a host's trigger, where it shrinks by @.",
+        PAGE,
+    )
+    quoted((most, 100 * (max(grown) - 1)), (least, 100 * (1 - min(grown))))
+    assert sum(ratio < 1.0 for ratio in grown) == 2
