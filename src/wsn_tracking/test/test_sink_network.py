@@ -5,6 +5,8 @@ from sink_cases import BOTH, REGISTER, asked, attached, by_and_by, device
 from wsn_tracking.zstack import commands as c
 from wsn_tracking.zstack.device import DEFAULT_NETWORK, IEEE
 from wsn_tracking.zstack.firmware.chip import TICK_MODULUS
+from wsn_tracking.zstack.frames import Frame, encode_frame
+from wsn_tracking.zstack.parser import Parser
 
 
 @BOTH
@@ -15,6 +17,16 @@ def test_network_that_is_remembered_is_restored(flavour):
     assert by_and_by(sink, 1.0) == [c.ZdoStateChangeInd(9)]
     info = asked(sink, c.ZdoExtNwkInfo(), 1.0)[0]
     assert (info.state, info.pan_id, info.channel, info.ext_pan) == (9, 0x1A62, 11, DEFAULT_NETWORK.ext_pan)
+
+
+@BOTH
+def test_network_is_started_by_a_delay_of_one_byte_too(flavour):
+    """As some hosts give it; whoever looks at the line sees that."""
+    question = Frame(0x2540, b'\x00')
+    sink = device(flavour)
+    assert sink.answer(question, 0.0) == [c.encode(c.ZdoStartupRsp(0))]
+    assert by_and_by(sink, 1.0) == [c.ZdoStateChangeInd(9)]
+    assert Parser().feed(encode_frame(question), 0.0) == [question]
 
 
 @BOTH

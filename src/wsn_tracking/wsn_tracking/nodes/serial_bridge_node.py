@@ -17,7 +17,7 @@ from wsn_tracking.nodes.health import OK, Health, link, radio, worst
 from wsn_tracking.nodes.stations import Stations
 from wsn_tracking.sensing.values import EpochEnd, Range, Request, Rssi, TriggerReport
 from wsn_tracking.trackers.estimate import Estimate, Kind
-from wsn_tracking.zstack.commands import ZdoMgmtLqiReq, ZdoMgmtLqiReqRsp
+from wsn_tracking.zstack.commands import COORDINATOR_UP, ZdoMgmtLqiReq, ZdoMgmtLqiReqRsp
 from wsn_tracking.zstack.intake import Intake
 from wsn_tracking.zstack.link import Status
 from wsn_tracking.zstack.lqi import SCALES, scale_words
@@ -162,13 +162,19 @@ class SerialBridgeNode(TrackingNode[SerialBridgeConfig]):
         )
         m.header.frame_id = ''
         m.firmware = str(status.sink.version or '') if status.sink else ''
-        m.device_state = 0 if status.network is None else status.network.state
+        m.device_state = self._device_state(status)
         m.channel = 0 if status.network is None else status.network.channel
         m.pan_id = 0xFFFF if status.network is None else status.network.pan_id
         m.counter_names, m.counters = list(counters), list(counters.values())
         self._link.publish(m)
         self._log(status)
         self._topology.publish(self._stations.message(time.monotonic_ns()))
+
+    def _device_state(self, status: Status) -> int:
+        """As told; a sink that does not tell was attached to only when it was up."""
+        if status.network is not None:
+            return status.network.state
+        return COORDINATOR_UP if status.up and self.config.sink_protocol == 'znp' else 0
 
     def _log(self, status: Status) -> None:
         """Whoever looks at the terminal reads why there is no link, once, and that there is one."""

@@ -5,12 +5,13 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from wsn_tracking.zstack.commands.table import command
+from wsn_tracking.zstack.layout import Shape
 
 COORDINATOR_UP = 9  # device state
 NEIGHBOUR_TYPES = ('coordinator', 'router', 'end device', 'unknown')
 
 
-@command(0x2540, 'ZDO_STARTUP_FROM_APP', 'H')
+@command(0x2540, 'ZDO_STARTUP_FROM_APP', 'H', shape=Shape(1, 2))  # some hosts give a delay of a byte
 class ZdoStartup(NamedTuple):
     """Start the network, or take up the one the sink remembers."""
 

@@ -21,9 +21,9 @@ ANSWER_S = 0.005  # until a radio has answered
 AND_SINK = (0xFFFC, 0xFFFD, 0xFFFF)
 
 
-@ZDO.on(0x2540, 'H')
-def start(chip: Chip, delay: int) -> Iterable[Frame]:
-    """ZDO_STARTUP_FROM_APP: restores the network that is remembered, or forms one."""
+@ZDO.on(0x2540, 'B$')
+def start(chip: Chip, delay: int, more: bytes) -> Iterable[Frame]:
+    """ZDO_STARTUP_FROM_APP: restores the network that is remembered, or forms one; some hosts say one byte."""
     if chip.state == UP or chip.memory.network is not NO_NETWORK:
         chip.restore()
         return [srsp(0x2540, RESTORED)]
