@@ -2,6 +2,6 @@
 
 from __future__ import annotations
 
-from wsn_tracking.reproduction import b_faults, b_field, b_layouts, b_schemes
+from wsn_tracking.reproduction import b_consensus, b_faults, b_layouts, b_schemes
 
-CLAIMS = (*b_field.CLAIMS, *b_layouts.CLAIMS, *b_schemes.CLAIMS, *b_faults.CLAIMS)
+CLAIMS = (*b_consensus.CLAIMS, *b_layouts.CLAIMS, *b_schemes.CLAIMS, *b_faults.CLAIMS)
