@@ -11,8 +11,10 @@ from rclpy.qos import QoSProfile
 from std_msgs.msg import String
 
 from wsn_tracking import parameters
+from wsn_tracking.graphs import Process
 from wsn_tracking.node_parameters.executables import EXECUTABLES
 from wsn_tracking.nodes import declaring
+from wsn_tracking.processes import write_parameters
 
 TYPES = {
     bool: Parameter.Type.BOOL,
@@ -68,6 +70,15 @@ def test_what_a_node_dumps_starts_the_same_node(name, tmp_path):
     file.write_text(yaml.safe_dump({'/some': {'ros__parameters': plain}}))
     with node_of('--params-file', str(file)) as node:
         assert declaring.declare(node, kind) == before
+
+
+@pytest.mark.parametrize('text', ['y', 'No', '1e5', '0x10', '007', 'nan', '.inf', '~', 'null', '', ' a: b #', 'é"\\n'])
+def test_a_text_stays_a_text_whatever_it_looks_like(text, tmp_path):
+    """Names of bags, folders and configurations are what users call them."""
+    file = write_parameters(Process('evaluator_node', 'e', {'title': text, 'outputs': [text]}), tmp_path)
+    with node_of('--params-file', str(file)) as node:
+        config = declaring.declare(node, EXECUTABLES['evaluator_node'])
+    assert (config.title, config.outputs) == (text, (text,))
 
 
 def test_a_stranger_among_the_parameters_is_named_with_its_likeliest_meaning(capfd):

@@ -6,13 +6,13 @@ ros2 launch wsn_tracking follower.launch.py markers:=true record:=in_phase param
 
 from wsn_tracking import graphs
 from wsn_tracking.configuration import parse_setting
-from wsn_tracking.launching import description, flag
+from wsn_tracking.launching import description, flag, integer
 
 
 def _graph(argument):
     return graphs.follower(
         argument['link'],
-        seed=int(argument['seed']),
+        seed=integer('seed', argument['seed']),
         configuration=argument['config'],
         settings=dict(map(parse_setting, argument['parameters'].split())),
         record=argument['record'],

@@ -43,6 +43,24 @@ def test_a_launch_file_declares_its_arguments_where_launch_is_installed(path):
     assert {'config', 'markers', 'namespace'} <= declared
 
 
+def actions_of(path, *given):
+    """What a launch file would do with arguments, where launch is installed."""
+    launch = pytest.importorskip('launch')
+    if not hasattr(launch, 'LaunchService'):
+        pytest.skip('another `launch` than that of ROS 2')
+    context = launch.LaunchContext(argv=[])
+    context.launch_configurations.update(entry.split(':=') for entry in given)
+    entities = runpy.run_path(str(path))['generate_launch_description']().entities
+    return [action for entity in entities for action in entity.visit(context) or ()]
+
+
+@pytest.mark.parametrize('path', LAUNCH, ids=lambda path: path.name.removesuffix('.launch.py'))
+def test_a_place_where_nothing_can_be_recorded_is_refused_before_anything_starts(path, tmp_path):
+    """The recorder would end at once, and the feed wait for it."""
+    with pytest.raises(TrackingError, match='exists: name another folder or remove it'):
+        actions_of(path, f'record:={tmp_path}', 'bag:=none')
+
+
 def test_without_a_bag_the_scenario_is_simulated():
     processes = started('hybrid', seed='3', rate='max', settings='rest=1.0', parameters='form=imm stale=2.0')
     assert set(processes) == {'world', 'hybrid_tracker', 'evaluator'}

@@ -127,7 +127,7 @@ def test_an_error_of_any_process_is_named_and_is_the_result(installed, capfd):
 
 
 def test_a_feed_that_fails_ends_the_graph_after_a_grace(installed, capfd, monkeypatch):
-    monkeypatch.setattr(processes, 'GRACE', 0.1)
+    monkeypatch.setattr(processes, 'FAREWELL', 0.2)
     installed('bag_player_node', 'raise SystemExit(2)')
     installed('evaluator_node', STAY)
     assert run_graph([process('evaluator_node'), process('bag_player_node', 'bag_player')], ['evaluator_node']) == 2
@@ -152,8 +152,9 @@ def test_nothing_to_wait_for_is_an_error():
 def test_when_one_cannot_be_started_the_others_are_ended(installed):
     """They live in sessions of their own: nobody else would end them."""
     installed('estimator_node', STAY)
+    installed('evaluator_node', '').chmod(0o644)
     graph = [process('estimator_node'), process('evaluator_node')]
-    with pytest.raises(TrackingError, match='evaluator_node is not installed'):
+    with pytest.raises(TrackingError, match='evaluator_node cannot be started'):
         run_graph(graph, ['evaluator_node'])
     assert not alive(installed, 'estimator_node')
 
@@ -260,3 +261,13 @@ def test_a_process_is_out_of_reach_of_the_terminal(installed):
     installed('evaluator_node', f'open({str(installed.folder / "sid")!r}, "w").write(str(os.getsid(0)))')
     assert run_graph([process('evaluator_node')], ['evaluator_node']) == 0
     assert int((installed.folder / 'sid').read_text()) not in {0, os.getsid(0)}
+
+
+def test_a_value_that_a_node_would_refuse_is_told_before_anything_starts(installed):
+    """Whoever waited for it would wait in vain."""
+    installed('estimator_node', STAY)
+    installed('world_node', '')
+    graph = [process('estimator_node'), process('world_node', seed=-3)]
+    with pytest.raises(TrackingError, match=r'parameter `seed` is -3: expected an integer >= 0'):
+        run_graph(graph, ['estimator_node'])
+    assert not (installed.folder / 'estimator_node.pid').exists()

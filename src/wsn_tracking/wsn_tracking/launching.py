@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import atexit
+import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
@@ -10,40 +12,45 @@ from typing import Any
 from wsn_tracking import graphs
 from wsn_tracking.configuration import parse_setting
 from wsn_tracking.errors import TrackingError
+from wsn_tracking.files import check_new_folder
 from wsn_tracking.graphs import Process
-from wsn_tracking.processes import declared
+from wsn_tracking.processes import FAREWELL, FEEDS, write_parameters
 
 Arguments = Mapping[str, tuple[str | None, str]]  # name -> default (None: it must be given), words
 
 
 def actions(processes: Sequence[Process], namespace: str, last: str) -> list[Any]:
-    """A node for each process; the launch ends when process `last` has ended."""
-    from launch.actions import EmitEvent, RegisterEventHandler
+    """A node for each process; the launch ends when process `last` has ended, or soon after a feed has failed."""
+    from launch.actions import EmitEvent, RegisterEventHandler, TimerAction
     from launch.event_handlers import OnProcessExit
     from launch.events import Shutdown
     from launch_ros.actions import Node
-    from launch_ros.parameter_descriptions import ParameterValue
 
-    def typed(value: Any) -> Any:
-        """Text stays text; launch would take a path `2024`, or an address in hexadecimal, for a number."""
-        return ParameterValue(value, value_type=str) if isinstance(value, str) else _plain(value)
-
-    nodes = {}
-    for process in processes:
-        values = {name: typed(value) for name, value in declared(process).items()}
-        nodes[process.name] = Node(
+    folder = tempfile.TemporaryDirectory(prefix='wsn_tracking_')
+    atexit.register(folder.cleanup)  # no sooner: a node reads its file whenever it gets so far
+    nodes = {
+        process.name: Node(
             package='wsn_tracking',
             executable=process.executable,
             name=process.name,
             namespace=namespace,
-            parameters=[{name: value for name, value in values.items() if value != []}],
+            parameters=[str(write_parameters(process, Path(folder.name)))],
             output='screen',
         )
-    ends: list[Any] = []
-    if last in nodes:
-        shutdown = [EmitEvent(event=Shutdown(reason=f'{last} has ended'))]
-        ends = [RegisterEventHandler(OnProcessExit(target_action=nodes[last], on_exit=shutdown))]
-    return [*ends, *nodes.values()]
+        for process in processes
+    }
+
+    def end(reason: str) -> Any:
+        return EmitEvent(event=Shutdown(reason=reason))
+
+    def failed(event: Any, _: Any) -> Any:
+        words = f'{event.process_name} has failed'  # nothing will come any more: whoever waits for it gets a grace
+        return TimerAction(period=FAREWELL, actions=[end(words)]) if event.returncode else None
+
+    ends = dict.fromkeys(FEEDS, failed) | {last: [end(f'{last} has ended')]}
+    known = {name: then for name, then in ends.items() if name in nodes}
+    handlers = [OnProcessExit(target_action=nodes[name], on_exit=then) for name, then in known.items()]
+    return [*map(RegisterEventHandler, handlers), *nodes.values()]
 
 
 def description(
@@ -57,6 +64,8 @@ def description(
 
     def started(context: Any) -> list[Any]:
         given = {name: LaunchConfiguration(name).perform(context) for name in arguments}
+        if given.get('record'):
+            check_new_folder(given['record'])  # a recorder that is refused would be waited for
         return actions(graph(given), given.get('namespace', ''), last)
 
     declared = [
@@ -101,10 +110,10 @@ def graph_of(trackers: str, given: Mapping[str, str]) -> tuple[Process, ...]:
     }
     if given['bag']:
         record = {'output': str(Path(given['record']).resolve())} if given['record'] else None
-        return graphs.replay(given['bag'], target_id=_integer('target', given['target']), record=record, **common)
+        return graphs.replay(given['bag'], target_id=integer('target', given['target']), record=record, **common)
     return graphs.simulation(
         given['scenario'],
-        _integer('seed', given['seed']),
+        integer('seed', given['seed']),
         scenario_settings=given['settings'].split(),
         record=given['record'],
         **common,
@@ -129,12 +138,9 @@ def flag(name: str, text: str) -> bool:
     return text.lower() in {'true', '1'}
 
 
-def _integer(name: str, text: str) -> int:
+def integer(name: str, text: str) -> int:
+    """A whole number."""
     try:
         return int(text)
     except ValueError:
         raise TrackingError(f'argument {name}:={text}: expected an integer') from None
-
-
-def _plain(value: Any) -> Any:
-    return list(value) if isinstance(value, tuple) else value

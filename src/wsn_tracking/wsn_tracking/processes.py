@@ -15,16 +15,16 @@ from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
 
-import yaml
-
 from wsn_tracking.configuration import is_of_ros
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.graphs import Process
 from wsn_tracking.node_parameters.common import NodeConfig
 from wsn_tracking.node_parameters.executables import EXECUTABLES
-from wsn_tracking.parameters import Values, specs
+from wsn_tracking.parameters import Values, build, specs
+from wsn_tracking.ros_yaml import dump
 
 GRACE = 5.0  # [s] a process may take to end when it is asked to
+FAREWELL = 2.0 * GRACE  # [s] from the failure of a feed until whoever waits for it is ended
 POLL = 0.05  # [s]
 FEEDS = ('bag_player', 'world')
 
@@ -51,8 +51,11 @@ def executable(name: str) -> Path:
 
 
 def declared(process: Process) -> Values:
-    """The parameters that the executable knows, of all that a configuration gives."""
-    known = {spec.name for kind in (EXECUTABLES[process.executable], NodeConfig) for spec in specs(kind)}
+    """The parameters that the executable knows, of all that a configuration gives; TrackingError for a wrong value."""
+    kinds = (EXECUTABLES[process.executable], NodeConfig)
+    for kind in kinds:
+        build(kind, process.parameters)  # a node that refuses it would be waited for
+    known = {spec.name for kind in kinds for spec in specs(kind)}
     return {k: v for k, v in process.parameters.items() if k in known or is_of_ros(k)}
 
 
@@ -61,7 +64,7 @@ def write_parameters(process: Process, folder: Path) -> Path:
     path = folder / f'{process.name}.yaml'
     values = {name: _plain(value) for name, value in declared(process).items()}
     content = {'/**': {'ros__parameters': {k: v for k, v in values.items() if v != []}}}
-    path.write_text(yaml.safe_dump(content), 'utf-8')
+    path.write_text(dump(content), 'utf-8')
     return path
 
 
@@ -73,9 +76,12 @@ def run_graph(processes: Sequence[Process], last: Sequence[str]) -> int:
     running: dict[str, subprocess.Popen[bytes]] = {}
     with _requests_to_end() as asked, tempfile.TemporaryDirectory(prefix='wsn_tracking_') as folder:
         try:
-            for process in processes:
+            commands = {
+                process.name: command(process, write_parameters(process, Path(folder))) for process in processes
+            }
+            for name, words in commands.items():
                 if not asked:
-                    running[process.name] = _start(process, Path(folder))
+                    running[name] = _start(words)
             code = _wait(running, last, asked)
         finally:
             _end(running)
@@ -135,8 +141,7 @@ def _requests_to_end() -> Iterator[Sequence[int]]:
             signal.signal(number, before[number])
 
 
-def _start(process: Process, folder: Path) -> subprocess.Popen[bytes]:
-    words = command(process, write_parameters(process, folder))
+def _start(words: Sequence[str]) -> subprocess.Popen[bytes]:
     try:
         # a session of its own: the shell's Ctrl-C reaches this program alone, which then ends all in order
         return subprocess.Popen(words, start_new_session=True)
@@ -157,7 +162,7 @@ def _wait(running: Mapping[str, subprocess.Popen[bytes]], last: Sequence[str], a
             if code:
                 print(f'{name} ended with code {code}', file=sys.stderr)
                 if name in FEEDS:  # nothing will come any more: whoever waits for it gets a grace
-                    given_up = time.monotonic() + 2.0 * GRACE
+                    given_up = time.monotonic() + FAREWELL
     return max((abs(code) for code in codes.values()), default=1)
 
 

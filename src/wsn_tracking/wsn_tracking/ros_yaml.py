@@ -1,4 +1,4 @@
-"""YAML as ROS 2 reads parameter files; imported where a file is read, since no node needs it."""
+"""YAML as ROS 2 reads parameter files; imported where a file is read or written, since no node needs it."""
 
 from __future__ import annotations
 
@@ -17,6 +17,18 @@ class _Loader(yaml.SafeLoader):  # type: ignore[misc]
 _Loader.add_implicit_resolver(
     'tag:yaml.org,2002:float', re.compile(r'[-+]?(\d+\.?\d*|\.\d+)[eE][-+]?\d+$'), list('-+.0123456789')
 )
+
+
+class _Dumper(yaml.SafeDumper):  # type: ignore[misc]
+    """Texts in quotes: ROS 2 takes `y`, `1e5` and `nan` for what they look like, PyYAML does not."""
+
+
+_Dumper.add_representer(str, lambda dumper, text: dumper.represent_scalar('tag:yaml.org,2002:str', text, style='"'))
+
+
+def dump(content: Any) -> str:
+    """A YAML text of plain values, which ROS 2 reads as the same values."""
+    return str(yaml.dump(content, Dumper=_Dumper))
 
 
 def parse(text: str, where: str) -> Any:
