@@ -9,11 +9,11 @@ from __future__ import annotations
 from collections import Counter, deque
 from collections.abc import Callable, Sequence
 
-from wsn_tracking.errors import TrackingError
 from wsn_tracking.zstack.agenda import Agenda
+from wsn_tracking.zstack.course import Course
 from wsn_tracking.zstack.device import DEFAULT_NETWORK, Device
 from wsn_tracking.zstack.downlink import Downlink, Told
-from wsn_tracking.zstack.faults import Event, Happening, parse_faults
+from wsn_tracking.zstack.faults import Event, Happening, parse_faults, struck_replies
 from wsn_tracking.zstack.firmware.chip import Mote
 from wsn_tracking.zstack.firmware.flavour import FLAVOURS
 from wsn_tracking.zstack.frames import Frame, encode_frame
@@ -46,14 +46,13 @@ class Simulator:
         """The sink is plugged in at `now`; `on_board`: the trigger of nodes that have one."""
         check_carries(config.sink_protocol, config.traffic.payload, epochs)
         self._config = config
-        self._epochs = list(epochs)
+        self._course = Course(epochs, config.rate)
         self.faults = parse_faults(config.faults, config.fault_time, config.seed)
         self.device = self._device(now)
         self.traffic = Traffic(config.traffic, config.radio, SCALES[config.lqi_scale], config.seed, on_board)
         self.witness: Witness = lambda message, given: None
         self.measure: Measure = lambda epoch, now: epoch
         self.counters: Counter[str] = Counter()
-        self.sent: list[float] = []  # when each epoch was sent, so far
         self._uplink = uplink_of(config.sink_protocol, self.device, config.radio)
         self._agenda: Agenda[Callable[[], None]] = Agenda()
         self._now = now
@@ -64,20 +63,18 @@ class Simulator:
     def begin(self, now: float) -> None:
         """The world begins."""
         self._advance(now)
-        for epoch in self._epochs:
+        for epoch in self._course.epochs:
             self.traffic.join(self.traffic.speakers(epoch), now)
         self._announce()
-        if self._epochs:
+        if self._course.epochs:
             self._agenda.at(now, lambda: self._epoch(0, now))
 
     def go_on(self, epochs: Sequence[AirEpoch], now: float) -> None:
         """More epochs, from `now` on, behind those that were sent; TrackingError where some are still to come."""
         self._advance(now)
-        if self.to_come:
-            raise TrackingError(f'epochs still to come: {self.to_come}; wait for them')
-        first, lasted = len(self._epochs), self._after(epochs[0].time_s)
-        self._epochs += epochs
-        self._agenda.at(now, lambda: self._epoch(first, now - lasted))
+        first = self._course.extend(epochs)
+        start = now - self._course.after(first)
+        self._agenda.at(now, lambda: self._epoch(first, start))
 
     def happen(self, happening: Happening, now: float) -> None:
         """A fault that strikes now."""
@@ -121,7 +118,12 @@ class Simulator:
     @property
     def to_come(self) -> int:
         """Epochs that were not sent yet."""
-        return len(self._epochs) - len(self.sent)
+        return self._course.to_come
+
+    @property
+    def sent(self) -> list[float]:
+        """When each epoch was sent, so far."""
+        return self._course.sent
 
     @property
     def told(self) -> deque[Told]:
@@ -158,8 +160,8 @@ class Simulator:
     def _epoch(self, index: int, start: float) -> None:
         """What happens to sink and nodes, then what the nodes say."""
         now = self._now
-        epoch = self.measure(self._epochs[index], now)
-        self.sent.append(now)
+        epoch = self.measure(self._course.epochs[index], now)
+        self._course.sent.append(now)
         for happening in filter(None, (fault.happens(index) for fault in self.faults)):
             self._happen(happening)
         robot = ROBOT_ADDRESS + epoch.robot_id % ROBOTS
@@ -170,19 +172,13 @@ class Simulator:
         messages = self.traffic.messages(epoch, now)
         for fault in self.faults:
             messages = fault.air(messages)
-        is_last = index + 1 == len(self._epochs)
-        if is_last:
+        if not self._course.to_come:
             messages += [message for fault in self.faults for message in fault.held()]
         for message in messages:
             self._agenda.at(message.time_s, lambda message=message: self._receive(message))  # type: ignore[misc]
-        if not is_last:
-            after = self._after(self._epochs[index + 1].time_s)
-            self._agenda.at(max(start + after, now), lambda: self._epoch(index + 1, start))
-
-    def _after(self, time_s: float) -> float:
-        """How long after the first epoch."""
-        rate = self._config.rate
-        return (time_s - self._epochs[0].time_s) / rate if rate else 0.0
+        if self._course.to_come:
+            due = start + self._course.after(index + 1)
+            self._agenda.at(max(due, now), lambda: self._epoch(index + 1, start))
 
     def _announce(self) -> None:
         self.device.chip.motes.update({node.short: node.mote for node in self.traffic.nodes.values()})
@@ -220,11 +216,7 @@ class Simulator:
     # ---- what the sink says
 
     def _reply(self, request: Frame, replies: Sequence[Frame]) -> None:
-        later = [(0.0, reply) for reply in replies]
-        for fault in self.faults:
-            delay = max((seconds for seconds, _ in later), default=0.0)
-            later = [(delay + more, reply) for more, reply in fault.reply(request, [reply for _, reply in later])]
-        for seconds, reply in later:
+        for seconds, reply in struck_replies(self.faults, request, replies):
             if seconds:
                 self._agenda.at(self._now + seconds, lambda reply=reply: self._say([reply]))  # type: ignore[misc]
             else:

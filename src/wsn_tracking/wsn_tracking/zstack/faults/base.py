@@ -91,3 +91,12 @@ class Fault:
     def happens(self, epoch: int) -> Happening | None:
         """What happens to the sink as the epoch begins."""
         return None
+
+
+def struck_replies(faults: Sequence[Fault], request: Frame, replies: Sequence[Frame]) -> list[tuple[float, Frame]]:
+    """What becomes of the answers to a request, one fault after the other, and after how long [s] each is said."""
+    later = [(0.0, reply) for reply in replies]
+    for fault in faults:
+        delay = max((seconds for seconds, _ in later), default=0.0)
+        later = [(delay + more, reply) for more, reply in fault.reply(request, [reply for _, reply in later])]
+    return later
