@@ -214,7 +214,7 @@ def test_the_ble_tracks_reach_their_goals(real):
     mapped = tables.central(bags, 'danis_central', {'channel': bags.with_map})
     assert mapped['rmse_m'] <= 2.0
     assert 1.0 < mapped['nees'] < 4.0
-    outputs = tables.tracked(bags, 'danis_three', {}).outputs
+    outputs = tables.pooled(bags, 'danis_three', {})
     assert outputs['fused_1'].rmse_m <= 2.8
     assert outputs['fused_1'].rmse_m < np.mean([outputs[f'local_{i}'].rmse_m for i in (1, 2, 3)])
     assert 1.0 < outputs['fused_1'].nees < 4.0

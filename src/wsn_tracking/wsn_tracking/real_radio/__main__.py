@@ -8,15 +8,14 @@ temporary folder: from surveys, or from the first part of a recording, which is 
 
 from __future__ import annotations
 
-import argparse
 import functools
 import sys
 import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
-from wsn_tracking.errors import TrackingError
 from wsn_tracking.evaluation import study
+from wsn_tracking.real_radio.command import call
 from wsn_tracking.real_radio.found_again import TABLES as FOUND_AGAIN
 from wsn_tracking.real_radio.left_out import TABLES as LEFT_OUT
 from wsn_tracking.real_radio.lost import TABLES as SYSTEM_E
@@ -30,8 +29,6 @@ COMMAND = 'python -m wsn_tracking.real_radio DATA -o docs/results'
 
 def run(data: Path, folder: Path, wanted: Sequence[str] = ()) -> Path:
     """Make the wanted tables (none: all) and write real_radio.json; the figures of the others stay."""
-    if not data.is_dir():
-        raise TrackingError(f'{data} is no folder: the one that holds the recordings is expected (docs/datasets.md)')
     with tempfile.TemporaryDirectory(prefix='wsn_tracking_') as work:
         sets = Sets(data, Path(work))
         studies = {name: functools.wraps(table)(functools.partial(table, sets)) for name, table in TABLES.items()}
@@ -41,17 +38,7 @@ def run(data: Path, folder: Path, wanted: Sequence[str] = ()) -> Path:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Entry point; the exit status."""
-    parser = argparse.ArgumentParser(prog='wsn_tracking.real_radio', description='The trackers on public recordings.')
-    parser.add_argument('data', type=Path, metavar='DATA', help='folder of the recordings (docs/datasets.md)')
-    parser.add_argument('names', nargs='*', metavar='NAME', help=f'tables (default: all): {", ".join(TABLES)}')
-    parser.add_argument('-o', '--output', type=Path, required=True, metavar='DIR', help='folder of the results')
-    options = parser.parse_intermixed_args(arguments)
-    try:
-        print(run(options.data, options.output, options.names))
-    except TrackingError as error:
-        print(f'real_radio: {error}', file=sys.stderr)
-        return 1
-    return 0
+    return call('real_radio', 'The trackers on public recordings.', TABLES, run, arguments)
 
 
 if __name__ == '__main__':

@@ -7,7 +7,6 @@ DATA holds the recordings, each in a folder of its own.
 
 from __future__ import annotations
 
-import argparse
 import functools
 import sys
 import tempfile
@@ -19,18 +18,17 @@ import numpy as np
 
 from wsn_tracking import graphs
 from wsn_tracking.bags.importing.run import import_set
-from wsn_tracking.errors import TrackingError
 from wsn_tracking.evaluation import study
 from wsn_tracking.evaluation.intermittent import FOUND_WITHIN_S, at_instants, found_again, heard_of
 from wsn_tracking.evaluation.run import summarise
 from wsn_tracking.offline import offline
 from wsn_tracking.parameters import Values
-from wsn_tracking.real_radio.sets import Bags, Set, Sets, find
+from wsn_tracking.real_radio.command import call
+from wsn_tracking.real_radio.scores import Result, short
+from wsn_tracking.real_radio.sets import MRCLAM, Bags, Sets, find
 from wsn_tracking.sensing.recording import Recording
 
 COMMAND = 'python -m wsn_tracking.real_radio.hybrid DATA -o docs/results'
-Result = dict[str, Any]
-MRCLAM = Set('mrclam', 'Landmark_Groundtruth.dat')
 
 
 def of_labyrinth(bags: Bags, configuration: str = 'hybrid_labyrinth') -> Result:
@@ -47,7 +45,7 @@ def of_labyrinth(bags: Bags, configuration: str = 'hybrid_labyrinth') -> Result:
     for name, settings in rows.items():
         run = offline(source, recording, configuration, settings)
         (score,) = summarise(name, recording, run, bags.skip_s).outputs.values()
-        result[name] = {'rmse_m': _short(score.rmse_m), 'median_m': _short(score.median_m), 'nees': _short(score.nees)}
+        result[name] = {'rmse_m': short(score.rmse_m), 'median_m': short(score.median_m), 'nees': short(score.nees)}
     return result
 
 
@@ -58,19 +56,19 @@ def of_robots(source: graphs.Source, recording: Recording, configuration: str = 
     (ranges to 3 landmarks within 8 s), of its error up to 10 s later.
     """
     estimates = offline(source, recording, configuration).estimates
-    robots = {}
+    robots: dict[str, Result] = {}
     for target, truth in sorted(recording.truth.items()):
         heard = heard_of(recording, target)
         instants = at_instants(estimates[f'hybrid_target_{target}'], truth, heard)
         found = found_again(instants, heard)
         robots[str(target)] = {
-            'median_m': _short(instants.median_m),
+            'median_m': short(instants.median_m),
             'instants': int(instants.counts.sum()),
-            'found_median_m': _short(found.median_after(FOUND_WITHIN_S)),
+            'found_median_m': short(found.median_after(FOUND_WITHIN_S)),
             'times_found': len(found.stamps_ns),
         }
     medians = [robot['median_m'] for robot in robots.values()]
-    return {'robots': robots, 'mean_of_medians_m': _short(float(np.mean(medians))), 'worst_median_m': max(medians)}
+    return {'robots': robots, 'mean_of_medians_m': short(float(np.mean(medians))), 'worst_median_m': max(medians)}
 
 
 def open_robots(data: Path, work: Path) -> tuple[graphs.Source, Recording]:
@@ -94,23 +92,9 @@ def _named(like: Any, table: Any) -> Any:
     return functools.wraps(like)(table)
 
 
-def _short(value: float) -> float:
-    return float(f'{value:.4g}')
-
-
 def main(arguments: Sequence[str] | None = None) -> int:
     """Entry point; the exit status."""
-    parser = argparse.ArgumentParser(prog='wsn_tracking.real_radio.hybrid', description='System D on recordings.')
-    parser.add_argument('data', type=Path, metavar='DATA', help='folder of the recordings (docs/datasets.md)')
-    parser.add_argument('names', nargs='*', metavar='NAME', help='tables (default: both): labyrinth, mrclam')
-    parser.add_argument('-o', '--output', type=Path, required=True, metavar='DIR', help='folder of the results')
-    options = parser.parse_intermixed_args(arguments)
-    try:
-        print(run(options.data, options.output, options.names))
-    except TrackingError as error:
-        print(f'hybrid: {error}', file=sys.stderr)
-        return 1
-    return 0
+    return call('real_radio.hybrid', 'System D on recordings.', ('labyrinth', 'mrclam'), run, arguments)
 
 
 if __name__ == '__main__':

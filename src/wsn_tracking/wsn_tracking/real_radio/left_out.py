@@ -4,27 +4,16 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping, Sequence
-from typing import Any
 
-from wsn_tracking.evaluation.run import summarise
-from wsn_tracking.evaluation.score import Score, pool
-from wsn_tracking.offline import offline
+from wsn_tracking.evaluation.score import pool
 from wsn_tracking.parameters import Values
+from wsn_tracking.real_radio.scores import Result, of_tracks
 from wsn_tracking.real_radio.sets import Bags, Sets
-
-Scores = Sequence[Mapping[str, Score]]  # of each track, by output
-Result = dict[str, Any]
 
 # About what `danis_central` has: half and twice as much, a decibel less and more.
 DENSITIES = (0.25, 0.5, 1.0)  # [m^2/s^3]
 TIMES = (1.0, 2.0, 4.0)  # [s] after which a velocity is forgotten
 OFFSETS = (2.5, 3.5, 4.5)  # [dB]
-
-
-def of_tracks(bags: Bags, configuration: str, settings: Values) -> Scores:
-    """Each track by itself."""
-    runs = [(*bag, offline(*bag, configuration, settings)) for bag in bags.opened]
-    return [summarise(source.title, recording, run, bags.skip_s).outputs for source, recording, run in runs]
 
 
 def left_out(

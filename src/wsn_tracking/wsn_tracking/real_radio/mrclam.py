@@ -7,7 +7,6 @@ DATA holds the recordings, each in a folder of its own. Every node is judged; th
 
 from __future__ import annotations
 
-import argparse
 import functools
 import sys
 from collections.abc import Sequence
@@ -19,7 +18,6 @@ import numpy as np
 from wsn_tracking import graphs
 from wsn_tracking.bags.epochs import with_epoch_ends
 from wsn_tracking.bags.importing import mrclam as importing
-from wsn_tracking.errors import TrackingError
 from wsn_tracking.evaluation import study
 from wsn_tracking.evaluation.intermittent import FOUND_WITHIN_S, at_instants, found_again, heard_of
 from wsn_tracking.evaluation.run import Run
@@ -28,12 +26,12 @@ from wsn_tracking.models.graph import adjacency, diameter, is_connected
 from wsn_tracking.node_parameters.consensus import ConsensusNodeConfig
 from wsn_tracking.offline import offline
 from wsn_tracking.parameters import build
-from wsn_tracking.real_radio.sets import Set, find
+from wsn_tracking.real_radio.command import call
+from wsn_tracking.real_radio.sets import MRCLAM, find
 from wsn_tracking.sensing.recording import Recording
 
 COMMAND = 'python -m wsn_tracking.real_radio.mrclam DATA -o docs/results'
 CONFIGURATION = 'consensus_mrclam'
-MRCLAM = Set('mrclam', 'Landmark_Groundtruth.dat')
 
 
 def open_mrclam(data: Path) -> tuple[graphs.Source, Recording]:
@@ -75,20 +73,16 @@ def robots(source: graphs.Source, recording: Recording) -> dict[str, Any]:
     }
 
 
+def run(data: Path, folder: Path, wanted: Sequence[str] = ()) -> Path:
+    """Make the table and write consensus_mrclam.json."""
+    table = functools.wraps(robots)(functools.partial(robots, *open_mrclam(data)))
+    (path,) = study.run(folder, wanted, {'consensus_mrclam': {'robots': table}}, command=COMMAND)
+    return path
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Entry point; the exit status."""
-    parser = argparse.ArgumentParser(prog='wsn_tracking.real_radio.mrclam', description='System B on MRCLAM.')
-    parser.add_argument('data', type=Path, metavar='DATA', help='folder of the recordings (docs/datasets.md)')
-    parser.add_argument('-o', '--output', type=Path, required=True, metavar='DIR', help='folder of the results')
-    options = parser.parse_args(arguments)
-    try:
-        table = functools.wraps(robots)(functools.partial(robots, *open_mrclam(options.data)))
-        (path,) = study.run(options.output, (), {'consensus_mrclam': {'robots': table}}, command=COMMAND)
-        print(path)
-    except TrackingError as error:
-        print(f'mrclam: {error}', file=sys.stderr)
-        return 1
-    return 0
+    return call('real_radio.mrclam', 'System B on MRCLAM.', ('robots',), run, arguments)
 
 
 if __name__ == '__main__':

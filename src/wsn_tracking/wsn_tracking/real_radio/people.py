@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any
 
 import numpy as np
 
 from wsn_tracking.evaluation.score import pool
 from wsn_tracking.parameters import Values
-from wsn_tracking.real_radio.left_out import Scores, left_out, of_tracks
+from wsn_tracking.real_radio.left_out import left_out
+from wsn_tracking.real_radio.scores import Result, Scores, figures, of_tracks
 from wsn_tracking.real_radio.sets import SETS, Bags, Sets, find
-from wsn_tracking.real_radio.tables import Result, figures
 
 OUTPUTS = ('human', 'human_lag')
 NORMAL = {'signal.dof': 0.0, 'signal.sigma': 6.0}  # the best of 5, 6 and 7 dB
@@ -112,11 +111,10 @@ def kolakowski_human(sets: Sets) -> Result:
     channels: dict[str, Values] = {'as_imported': {}, **_channels(bags)}
     with_walls = {f'{name}_walls': {**given, **walls} for name, given in channels.items()}
     titles = [source.title for source, _ in bags.opened]
-    result: dict[str, Any] = {
+    return {
         name: told(of_tracks(bags, 'human_kolakowski', given), titles)
         for name, given in {**channels, **with_walls}.items()
     }
-    return result
 
 
 TABLES: Mapping[str, Callable[[Sets], Result]] = {

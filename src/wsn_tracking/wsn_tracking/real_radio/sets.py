@@ -33,6 +33,7 @@ SETS = {
     'plaza2': Set('plaza', 'Plaza2_.mat', 'Plaza2_.mat', slice_s=100.0),
     'labyrinth': Set('labyrinth', 'Indoor_UWB_Input.txt', slice_s=10.0),
 }
+MRCLAM = Set('mrclam', 'Landmark_Groundtruth.dat')  # scored in another way, since robots are seen in bursts
 
 
 class Bags(NamedTuple):
@@ -44,8 +45,15 @@ class Bags(NamedTuple):
     with_map: str  # empty: ranges have none
 
 
+def check_folder(data: Path) -> None:
+    """Raise where the folder of the recordings is none."""
+    if not data.is_dir():
+        raise TrackingError(f'{data} is no folder: the one that holds the recordings is expected (docs/datasets.md)')
+
+
 def find(data: Path, wanted: Set) -> Path:
     """The folder of a set, or the file of it that is imported."""
+    check_folder(data)
     for folder in sorted(path for path in data.iterdir() if path.is_dir()):
         for found in sorted(folder.rglob(wanted.marker)):
             return found if wanted.source else folder

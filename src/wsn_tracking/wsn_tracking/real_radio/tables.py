@@ -2,21 +2,15 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
 
 from wsn_tracking.configuration import load_configuration
-from wsn_tracking.evaluation.run import summarise
-from wsn_tracking.evaluation.score import Score
-from wsn_tracking.evaluation.summary import Summary, pool_summaries
-from wsn_tracking.offline import offline
 from wsn_tracking.parameters import Values
+from wsn_tracking.real_radio.scores import Result, figures, pooled, short
 from wsn_tracking.real_radio.sets import Bags, Sets
-
-Result = dict[str, Any]
 
 # What is switched off at first, and then on again in this order.
 OFF: Mapping[str, Any] = {
@@ -39,35 +33,9 @@ STUDENT_T = {'robust.dof': 5.0, 'update.kind': 'iplf'}
 DENSITIES = (0.01, 0.03, 0.1, 0.3, 1.0)  # [m^2/s^3] that every rung of the ladder may choose from
 
 
-def tracked(bags: Bags, configuration: str, settings: Values) -> Summary:
-    """All bags of a set with one configuration, pooled."""
-    summaries = []
-    for source, recording in bags.opened:
-        run = offline(source, recording, configuration, settings)
-        summaries.append(summarise(source.title, recording, run, bags.skip_s))
-    return pool_summaries(summaries)
-
-
 def central(bags: Bags, configuration: str, settings: Values) -> Result:
     """Figures of one estimator that hears all nodes."""
-    return figures(tracked(bags, configuration, {**settings, 'peers': [1]}).outputs['local_1'])
-
-
-def figures(score: Score) -> Result:
-    """What is kept of a score."""
-    return {
-        'rmse_m': _short(score.rmse_m),
-        'median_m': _short(score.median_m),
-        'p95_m': _short(score.p95_m),
-        'nees': _short(score.nees),
-        'nees_interval_95': [_short(end) for end in score.nees_interval],
-        'epochs': score.epochs,
-    }
-
-
-def _short(value: float) -> float | None:
-    """Four digits; null where nothing is known."""
-    return float(f'{value:.4g}') if math.isfinite(value) else None
+    return figures(pooled(bags, configuration, {**settings, 'peers': [1]})['local_1'])
 
 
 def of_signal_strengths(bags: Bags, configuration: str) -> Result:
@@ -126,11 +94,11 @@ def of_three(bags: Bags, configuration: str) -> Result:
     }
     result = {}
     for name, settings in rows.items():
-        outputs = tracked(bags, configuration, settings).outputs
+        outputs = pooled(bags, configuration, settings)
         alone = [outputs[f'local_{i}'].rmse_m for i in (1, 2, 3)]
         result[name] = {
-            'local_rmse_m': [_short(value) for value in alone],
-            'mean_of_the_locals_rmse_m': _short(float(np.mean(alone))),
+            'local_rmse_m': [short(value) for value in alone],
+            'mean_of_the_locals_rmse_m': short(float(np.mean(alone))),
             'fused': figures(outputs['fused_1']),
         }
     return result
