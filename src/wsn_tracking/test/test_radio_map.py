@@ -124,9 +124,7 @@ def test_columns_follow_the_anchors():
     np.testing.assert_array_equal(own_std[:, 1:], std[:, 1:])
     # node 1 is not in the map: the radio of the anchors, and nothing of a neighbour's column
     np.testing.assert_array_equal(own_mean[:, 0], 0.0)
-    np.testing.assert_allclose(
-        mapped_rssi_function(anchors, own)(x)[:, 0], rssi_function(anchors)(x)[:, 0], rtol=1e-12
-    )
+    np.testing.assert_allclose(mapped_rssi_function(anchors, own)(x)[:, 0], rssi_function(anchors)(x)[:, 0], rtol=1e-12)
     np.testing.assert_allclose(mapped_noise(own, own.packet_db)(x)[:, 0], 6.0)
 
 
