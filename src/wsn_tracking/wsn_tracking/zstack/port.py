@@ -101,4 +101,6 @@ def _reason(error: BaseException) -> str:
         return os.strerror(number)
     if isinstance(error, serial.SerialException) and error.__context__ is not None:  # pyserial's words quote another's
         return _reason(error.__context__)
+    if 'returned no data' in str(error):  # how pyserial sees a line that was hung up
+        return 'it was hung up'
     return str(error.args[-1]) if error.args else type(error).__name__
