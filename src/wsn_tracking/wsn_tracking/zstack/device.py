@@ -10,7 +10,7 @@ from wsn_tracking.zstack.firmware.app_cnf import APP_CNF
 from wsn_tracking.zstack.firmware.board import BOARD
 from wsn_tracking.zstack.firmware.chip import UP, Chip
 from wsn_tracking.zstack.firmware.flavour import HOME_1_2, Flavour
-from wsn_tracking.zstack.firmware.memory import Item
+from wsn_tracking.zstack.firmware.items import Item
 from wsn_tracking.zstack.firmware.nib import Network
 from wsn_tracking.zstack.firmware.reader import FirmwareReader
 from wsn_tracking.zstack.firmware.sapi import SAPI

@@ -10,7 +10,8 @@ from typing import NamedTuple
 from wsn_tracking.zstack.agenda import Agenda
 from wsn_tracking.zstack.commands import AfRegister, SysResetInd, ZdoStateChangeInd, encode
 from wsn_tracking.zstack.firmware.flavour import Flavour
-from wsn_tracking.zstack.firmware.memory import Item, Memory
+from wsn_tracking.zstack.firmware.items import Item
+from wsn_tracking.zstack.firmware.memory import Memory
 from wsn_tracking.zstack.firmware.nib import CHANNELS, NO_NETWORK, UNKNOWN_PAN, Network
 from wsn_tracking.zstack.frames import Frame
 

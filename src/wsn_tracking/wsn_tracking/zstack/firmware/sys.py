@@ -6,7 +6,8 @@ from collections.abc import Iterable
 
 from wsn_tracking.zstack.commands import SysPingRsp, SysVersionRsp, encode
 from wsn_tracking.zstack.firmware.chip import Chip
-from wsn_tracking.zstack.firmware.memory import INVALID_PARAMETER, SUCCESS, Item
+from wsn_tracking.zstack.firmware.items import Item
+from wsn_tracking.zstack.firmware.memory import INVALID_PARAMETER, SUCCESS
 from wsn_tracking.zstack.firmware.table import Table, srsp
 from wsn_tracking.zstack.frames import Frame
 

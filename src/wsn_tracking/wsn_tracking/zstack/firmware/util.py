@@ -6,7 +6,8 @@ from collections.abc import Iterable
 
 from wsn_tracking.zstack.commands import UtilGetDeviceInfoRsp, encode
 from wsn_tracking.zstack.firmware.chip import UP, Chip
-from wsn_tracking.zstack.firmware.memory import SUCCESS, Item
+from wsn_tracking.zstack.firmware.items import Item
+from wsn_tracking.zstack.firmware.memory import SUCCESS
 from wsn_tracking.zstack.firmware.nib import UNKNOWN_ADDRESS
 from wsn_tracking.zstack.firmware.table import Table, srsp
 from wsn_tracking.zstack.firmware.zdp import sink_mote
