@@ -8,11 +8,9 @@ from benchmark_cases import TINY
 
 from wsn_tracking.bags.read import read
 from wsn_tracking.bags.save import save
-from wsn_tracking.benchmarks import bags, serial
-from wsn_tracking.evaluation import benchmark_filter as filters
-from wsn_tracking.evaluation import benchmark_fusion as fusion
-from wsn_tracking.evaluation import benchmark_particle as particle
-from wsn_tracking.evaluation.benchmark_rows import cpu_seconds
+from wsn_tracking.benchmarks import bags, filters, fusion, serial
+from wsn_tracking.benchmarks import particles as particle
+from wsn_tracking.benchmarks.rows import cpu_seconds
 from wsn_tracking.fusion import covariance_intersection as ci
 from wsn_tracking.models.walk import STATES
 

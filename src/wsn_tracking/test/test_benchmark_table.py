@@ -8,11 +8,10 @@ import numpy as np
 import pytest
 from benchmark_cases import TINY
 
-from wsn_tracking.benchmarks import graph, nodes, people, table
+from wsn_tracking.benchmarks import filters, graph, nodes, people, table
+from wsn_tracking.benchmarks import particles as particle
+from wsn_tracking.benchmarks.rows import Row, at_least, at_most
 from wsn_tracking.commands import bench
-from wsn_tracking.evaluation import benchmark_filter as filters
-from wsn_tracking.evaluation import benchmark_particle as particle
-from wsn_tracking.evaluation.benchmark_rows import Row, at_least, at_most
 
 ROWS = (
     Row('filter', 'predict', 'us', 56.789, 'filterpy', 214.3, at_least(3.2, ratio=True)),

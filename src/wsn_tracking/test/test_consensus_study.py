@@ -4,8 +4,9 @@ import json
 
 import numpy as np
 
-from wsn_tracking.evaluation import benchmark_consensus, consensus_study, study_consensus_scaling
-from wsn_tracking.evaluation.benchmark_rows import Sizes
+from wsn_tracking.benchmarks import consensus as benchmark_consensus
+from wsn_tracking.benchmarks.rows import Sizes
+from wsn_tracking.evaluation import consensus_study, study_consensus_scaling
 
 
 def test_the_study_writes_every_table(tmp_path, capsys, monkeypatch):

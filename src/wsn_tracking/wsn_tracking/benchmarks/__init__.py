@@ -1,1 +1,1 @@
-"""Speed against goals and against other libraries; what needs no graph is measured by `evaluation.benchmark_*`."""
+"""Speed against goals and against other libraries."""

@@ -11,7 +11,7 @@ import numpy as np
 from wsn_tracking import graphs
 from wsn_tracking.bags.read import read
 from wsn_tracking.bags.save import save
-from wsn_tracking.evaluation.benchmark_rows import Row, Sizes, at_least, at_most, cpu_seconds
+from wsn_tracking.benchmarks.rows import Row, Sizes, at_least, at_most, cpu_seconds
 from wsn_tracking.evaluation.run import summarise
 from wsn_tracking.evaluation.summary import Summary
 from wsn_tracking.models.radio import range_at

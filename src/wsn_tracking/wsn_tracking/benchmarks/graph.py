@@ -17,8 +17,8 @@ from typing import NamedTuple
 from wsn_tracking import graphs, processes
 from wsn_tracking.bags.save import save
 from wsn_tracking.benchmarks.bags import loop
+from wsn_tracking.benchmarks.rows import Row, Sizes, at_least
 from wsn_tracking.errors import TrackingError
-from wsn_tracking.evaluation.benchmark_rows import Row, Sizes, at_least
 from wsn_tracking.simulation.record import record
 from wsn_tracking.simulation.scenarios import scenario
 

@@ -8,8 +8,8 @@ import sys
 from collections.abc import Iterable
 
 from wsn_tracking.benchmarks.graph import private
+from wsn_tracking.benchmarks.rows import Row, Sizes, at_most
 from wsn_tracking.errors import TrackingError
-from wsn_tracking.evaluation.benchmark_rows import Row, Sizes, at_most
 
 GROUP = 'nodes'
 ENTITIES = 150  # subscriptions, as 50 nodes in a process have them

@@ -6,8 +6,8 @@ from collections.abc import Iterable
 
 from wsn_tracking import graphs
 from wsn_tracking.benchmarks.graph import Played, play
+from wsn_tracking.benchmarks.rows import Row, Sizes, at_least, at_most
 from wsn_tracking.errors import TrackingError
-from wsn_tracking.evaluation.benchmark_rows import Row, Sizes, at_least, at_most
 
 GROUP = 'people'
 TRACKER = 'human_tracker'

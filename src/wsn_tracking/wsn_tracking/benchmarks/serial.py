@@ -6,7 +6,7 @@ import random
 from collections.abc import Callable, Iterable
 from functools import partial
 
-from wsn_tracking.evaluation.benchmark_rows import Row, Sizes, at_least, cpu_seconds
+from wsn_tracking.benchmarks.rows import Row, Sizes, at_least, cpu_seconds
 from wsn_tracking.zstack.commands import AfIncomingMsg, encode
 from wsn_tracking.zstack.frames import encode_frame
 from wsn_tracking.zstack.parser import Parser

@@ -11,17 +11,16 @@ from typing import Any
 
 import numpy as np
 
-from wsn_tracking.benchmarks import bags, graph, nodes, people, serial
-from wsn_tracking.evaluation import benchmark_consensus, benchmark_filter, benchmark_fusion, benchmark_particle
-from wsn_tracking.evaluation.benchmark_rows import Goal, Row, Sizes
+from wsn_tracking.benchmarks import bags, consensus, filters, fusion, graph, nodes, particles, people, serial
+from wsn_tracking.benchmarks.rows import Goal, Row, Sizes
 
 GROUPS: Mapping[str, Callable[[Sizes], Iterable[Row]]] = {
     module.GROUP: module.rows
     for module in (
-        benchmark_filter,
-        benchmark_fusion,
-        benchmark_consensus,
-        benchmark_particle,
+        filters,
+        fusion,
+        consensus,
+        particles,
         bags,
         serial,
         graph,

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from wsn_tracking.evaluation.benchmark_rows import Row, Sizes, at_least, cpu_seconds
+from wsn_tracking.benchmarks.rows import Row, Sizes, at_least, cpu_seconds
 from wsn_tracking.filters.belief import Belief
 from wsn_tracking.filters.srckf import predict, update
 from wsn_tracking.models.anchors import Floats

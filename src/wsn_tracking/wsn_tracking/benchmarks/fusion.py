@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable
 
 import numpy as np
 
-from wsn_tracking.evaluation.benchmark_rows import Row, Sizes, at_least, at_most, cpu_seconds
+from wsn_tracking.benchmarks.rows import Row, Sizes, at_least, at_most, cpu_seconds
 from wsn_tracking.fusion import covariance_intersection as ci
 from wsn_tracking.fusion.simplex import minimise_trace
 from wsn_tracking.models.anchors import Floats

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from wsn_tracking.evaluation.benchmark_rows import Row, Sizes, at_least, cpu_seconds
+from wsn_tracking.benchmarks.rows import Row, Sizes, at_least, cpu_seconds
 from wsn_tracking.models.anchors import Floats
 from wsn_tracking.models.body import LEAST_DISTANCE, LOS, NLOS, SINGLE, Curve, Curves, mean_rssi
 from wsn_tracking.models.body_likelihood import Readings

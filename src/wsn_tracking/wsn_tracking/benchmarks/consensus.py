@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable
 
 import numpy as np
 
-from wsn_tracking.evaluation.benchmark_rows import Row, Sizes, at_least, cpu_seconds
+from wsn_tracking.benchmarks.rows import Row, Sizes, at_least, cpu_seconds
 from wsn_tracking.evaluation.consensus_runs import sample
 from wsn_tracking.fusion.consensus import SCHEMES
 from wsn_tracking.fusion.exchange import Exchange
