@@ -2,6 +2,13 @@
 
 from __future__ import annotations
 
-from wsn_tracking.reproduction import c_beyond, c_channel, c_corridor, c_sweeps, c_walks
+from wsn_tracking.reproduction import c_channel, c_corridor, c_profiles, c_sweeps, c_trouble, c_walks
 
-CLAIMS = (*c_walks.CLAIMS, *c_sweeps.CLAIMS, *c_corridor.CLAIMS, *c_channel.CLAIMS, *c_beyond.CLAIMS)
+CLAIMS = (
+    *c_walks.CLAIMS,
+    *c_sweeps.CLAIMS,
+    *c_corridor.CLAIMS,
+    *c_channel.CLAIMS,
+    *c_profiles.CLAIMS,
+    *c_trouble.CLAIMS,
+)
