@@ -32,6 +32,11 @@ def found():
     return measured(['A1', 'B3', 'B4', 'B21'], 4)
 
 
+@pytest.fixture(scope='module')
+def report(found):
+    return page(found)
+
+
 def badges(text):
     """The verdict that a page shows for each claim."""
     shown = re.findall(r'<section id="(\w+)"><h4>[^<]*<span class="v [\w-]+">([\w ]+)</span>', text)
@@ -57,27 +62,26 @@ def test_a_changed_figure_changes_the_verdict_in_the_report(found):
     assert after == {name: word for name, word in before.items() if name != 'B21'}
 
 
-def test_the_report_needs_nothing_from_elsewhere(found):
-    text = page(found)
-    assert 'http' not in re.sub(r'base64,[\w+/=]*', '', text)
-    places = {f'#{name}' for name in re.findall(r' id="(\w+)"', text)}
-    assert all(link in places or link.startswith('data:') for link in re.findall(r'(?:src|href)="([^"]+)', text))
+def test_the_report_needs_nothing_from_elsewhere(report):
+    assert 'http' not in re.sub(r'base64,[\w+/=]*', '', report)
+    places = {f'#{name}' for name in re.findall(r' id="(\w+)"', report)}
+    assert all(link in places or link.startswith('data:') for link in re.findall(r'(?:src|href)="([^"]+)', report))
 
 
-def test_every_claim_with_figures_has_a_picture(found):
+def test_every_claim_with_figures_has_a_picture(found, report):
     """Its own, or its figures beside the rules."""
     told = {claim['id']: claim for claim in found['claims']}
     assert told['A1']['plots']
     assert not told['B4']['plots']
-    sections = re.findall(r'<section id="(\w+)">(.*?)</section>', page(found), re.DOTALL)
+    sections = re.findall(r'<section id="(\w+)">(.*?)</section>', report, re.DOTALL)
     pictures = {name: text.count('<img') for name, text in sections}
     assert pictures == {name: len(claim['plots']) or 1 for name, claim in told.items()}
 
 
-def test_every_claim_in_one_line_names_a_figure_that_its_verdict_rests_on(found):
-    lines = re.findall(r'<tr><td><a href="#(\w+)">.*?</tr>', page(found))
+def test_every_claim_in_one_line_names_a_figure_that_its_verdict_rests_on(found, report):
+    lines = re.findall(r'<tr><td><a href="#(\w+)">.*?</tr>', report)
     assert lines[: len(found['claims'])] == [claim['id'] for claim in found['claims']]
-    (line,) = re.findall(r'<tr><td><a href="#A1">A1</a>.*?</tr>', page(found))
+    (line,) = re.findall(r'<tr><td><a href="#A1">A1</a>.*?</tr>', report)
     (a1,) = [claim for claim in found['claims'] if claim['id'] == 'A1']
     assert f'EI(q = 2) / EI(7): <b>{a1["figures"][0]["value"]:.4g}</b>' in line
 
