@@ -74,7 +74,13 @@ def outcome():
         feed.until_heard(TIMEOUT, request=2, epoch_end=2)
         observer.until(lambda: reports.get_subscription_count() == 1, TIMEOUT, 'estimator_node')
         observer.until(lambda: peer.get_subscription_count() == 1, TIMEOUT, 'estimator_node')
+        tables = node.create_publisher(msg.Anchors, 'anchors', qos.LATCHED_LAST)
         for message in messages:
+            if message == Request(message.stamp_ns, 1, 6):
+                moved = recording.anchors._replace(positions=recording.anchors.positions + 1.0)
+                observer.until(lambda: tables.get_subscription_count() == 2, TIMEOUT, 'other tables are heard')
+                for table in (recording.anchors, moved):  # of which a slow reader holds the last
+                    tables.publish(convert.anchors_message(table, 1))
             feed.send(message, *spoilt(message))
             if isinstance(message, EpochEnd):
                 seq = message.request_seq
@@ -116,6 +122,7 @@ def test_estimates_are_those_of_the_good_messages_alone(outcome):
 
 def test_what_was_bad_is_counted_by_reason(outcome):
     sensing, estimator = outcome[2]['sensing'], outcome[2]['estimator_1']
+    assert (sensing['dropped.other_anchors'], estimator['dropped.other_anchors']) == ('1', '1')
     assert int(sensing['dropped.unknown_node']) == EPOCHS
     assert int(sensing['dropped.duplicate']) + int(sensing['dropped.late']) == 7 * EPOCHS  # by which side of the close
     assert int(sensing['dropped.other_target']) == 2 * EPOCHS

@@ -9,6 +9,7 @@ from collections import Counter
 from collections.abc import Callable, Mapping
 from typing import Any, Generic, TypeVar
 
+import numpy as np
 import rclpy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from rclpy.callback_groups import CallbackGroup
@@ -61,6 +62,7 @@ class TrackingNode(Node, Generic[Config]):
         self._ready = self.create_publisher(String, 'ready', qos.LATCHED)
         self._diagnostics = self.create_publisher(DiagnosticArray, '/diagnostics', 10)
         self.anchors: Anchors | None = None
+        self._other_anchors = 0
         self.malformed: Counter[str] = Counter()
         self._last_input: dict[str, float] = {}
         self.arrivals = 0  # messages that have come in
@@ -113,11 +115,11 @@ class TrackingNode(Node, Generic[Config]):
         return self._matching.publisher(made, topic)
 
     def take_anchors(self) -> None:
-        """Subscribe the latched table; the first one counts until another arrives."""
+        """Subscribe the latched table."""
         self.take(msg.Anchors, 'anchors', convert.anchors_value, self._hold_anchors, qos.LATCHED_LAST)
 
     def on_anchors(self, anchors: Anchors) -> None:
-        """A (new) table is held."""
+        """The table is held: the first one, as long as the node lives."""
 
     def is_prepared(self) -> bool:
         """Whether the node could work if its inputs came; a subclass adds what it needs."""
@@ -140,7 +142,8 @@ class TrackingNode(Node, Generic[Config]):
         now = time.monotonic()
         ages = {f'age of {topic} [s]': f'{now - then:.2f}' for topic, then in self._last_input.items()}
         wrong = {f'malformed.{topic}': count for topic, count in self.malformed.items()}
-        pairs = {**values, **wrong, **ages}
+        other = {'dropped.other_anchors': self._other_anchors} if self._other_anchors else {}
+        pairs = {**values, **other, **wrong, **ages}
         status = DiagnosticStatus(
             level=level,
             name=self.get_fully_qualified_name(),
@@ -164,8 +167,12 @@ class TrackingNode(Node, Generic[Config]):
         self.get_logger().info(f'waits for {waits_for}')
 
     def _hold_anchors(self, anchors: Anchors, now: float) -> None:
-        self.anchors = anchors
-        self.on_anchors(anchors)
+        if self.anchors is None:
+            self.anchors = anchors
+            self.on_anchors(anchors)
+        elif not all(map(np.array_equal, anchors, self.anchors)):
+            self._other_anchors += 1
+            self.get_logger().warn('another table of anchors is ignored: the first one counts until a new start')
 
     def _check_ready(self) -> None:
         if self.is_prepared() and self._matching.complete():

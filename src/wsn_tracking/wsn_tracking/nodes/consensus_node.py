@@ -56,9 +56,7 @@ class ConsensusProcess(TrackingNode[ConsensusNodeConfig]):
         self.create_timer(min(max(self.config.longest_round / 3.0, TICKS[0]), TICKS[1]), self._look_at_time)
 
     def on_anchors(self, anchors: Anchors) -> None:
-        """Make the nodes of the first table, and subscribe their neighbours elsewhere."""
-        if self._group is not None:
-            return
+        """Make the nodes, and subscribe their neighbours elsewhere."""
         config = self.config
         ids = anchors.select(config.ids).ids.tolist() if config.ids else anchors.ids.tolist()
         nodes = {i: ConsensusNode(config, anchors, i, config.neighbours) for i in ids}

@@ -7,7 +7,9 @@ from collections.abc import Iterable, Mapping
 
 PREFIX = 'dropped.'
 # for these a message is dropped by every process that takes it
-ANYWHERE = frozenset({'unknown_node', 'other_target', 'late_request', 'duplicate_request', 'stray_request'})
+ANYWHERE = frozenset(
+    {'other_anchors', 'unknown_node', 'other_target', 'late_request', 'duplicate_request', 'stray_request'}
+)
 
 
 def dropped_input(told: Iterable[Mapping[str, str]], *, several_targets: bool = False) -> dict[str, int]:

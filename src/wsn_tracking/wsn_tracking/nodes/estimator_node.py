@@ -64,10 +64,9 @@ class EstimatorNode(TrackingNode[EstimatorNodeConfig]):
         self.take(msg.TargetEstimate, f'estimate/local_{peer}', convert.peer_value, heard, qos.ESTIMATES)
 
     def on_anchors(self, anchors: Anchors) -> None:
-        """Make the filter of the first table."""
-        if self._parts is None:
-            self._parts = make_estimator(self.config, anchors)
-            self._assembly.start(anchors, self._parts[0].table.anchors.ids.tolist())
+        """Make the filter."""
+        self._parts = make_estimator(self.config, anchors)
+        self._assembly.start(anchors, self._parts[0].table.anchors.ids.tolist())
 
     def is_prepared(self) -> bool:
         """Whether the anchors are held and the input is chosen."""

@@ -29,9 +29,9 @@ class HybridTrackerNode(TrackerNode[HybridNodeConfig]):
             self._commands = self.give(msg.SensingCommand, 'sensing_command', qos.ESTIMATES)
 
     def on_anchors(self, anchors: Anchors) -> None:
-        """Make the schedule of the first table."""
+        """Make the schedule."""
         super().on_anchors(anchors)
-        if self.config.schedule and self._schedule is None:
+        if self.config.schedule:
             self._schedule = Schedule(CellScheduler(anchors))
 
     def after(self, tracker: Tracker, epoch: Epoch) -> None:

@@ -35,11 +35,10 @@ class SensingNode(TrackingNode[SensingNodeConfig]):
         self.take_anchors()
 
     def on_anchors(self, anchors: Anchors) -> None:
-        """Make the stage of the first table."""
-        if self._stage is None:
-            radios, _ = calibrated(self.config.channel, anchors)
-            self._stage = SensingStage(self.config.trigger, radios, self.config.ids, self.config.seed)
-            self._assembly.start(anchors, self._stage.anchors.ids.tolist())
+        """Make the stage."""
+        radios, _ = calibrated(self.config.channel, anchors)
+        self._stage = SensingStage(self.config.trigger, radios, self.config.ids, self.config.seed)
+        self._assembly.start(anchors, self._stage.anchors.ids.tolist())
 
     def is_prepared(self) -> bool:
         """Whether the anchors are held."""

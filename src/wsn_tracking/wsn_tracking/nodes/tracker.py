@@ -39,7 +39,7 @@ class TrackerNode(TrackingNode[Config]):
         self.take_anchors()
 
     def on_anchors(self, anchors: Anchors) -> None:
-        """Make the trackers of the first table."""
+        """Make the trackers."""
         self.tracks.start(anchors)
 
     def is_prepared(self) -> bool:

@@ -67,11 +67,10 @@ class Tracks:
         node.create_timer(TICK, self._advance)
 
     def start(self, anchors: Anchors) -> None:
-        """The anchors are known; the first table counts."""
-        if self._anchors is None:
-            self._anchors = anchors
-            for track in [*self.by_target.values()]:
-                track.start(anchors)
+        """The anchors are known."""
+        self._anchors = anchors
+        for track in [*self.by_target.values()]:
+            track.start(anchors)
 
     def request(self, message: Any, now: float) -> None:
         """A Request."""
