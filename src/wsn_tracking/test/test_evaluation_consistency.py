@@ -119,6 +119,8 @@ def test_effective_epochs_are_batched_and_within_their_bounds():
         ([np.nan, 3.0], 1.0),
         ([2.5] * 40, 1.0),
         ([1.0, 5.0] * 20, 40.0),
+        ([np.inf, np.inf], 1.0),
+        ([1.0, np.inf] * 20, 40.0),
     ],
 )
 def test_degenerate_series_are_worth_what_they_hold(series, worth):

@@ -111,6 +111,14 @@ def test_an_output_without_covariance_has_errors_but_no_nees():
     assert all(math.isnan(bound) for bound in result.nees_interval)
 
 
+@pytest.mark.filterwarnings('error')
+def test_a_filter_that_has_run_off_beyond_all_numbers_is_told_to_be_overconfident():
+    truth = line_truth()
+    result = score(track(truth, np.full((30, 2), 1e100), 1e-250 * np.eye(2)), truth)
+    assert math.isinf(result.nees)
+    assert result.nees > result.nees_interval[1]
+
+
 def test_the_order_of_the_estimates_does_not_matter():
     truth, estimates = noisy_track()
     shuffled = [estimates[i] for i in np.random.default_rng(0).permutation(len(estimates))]

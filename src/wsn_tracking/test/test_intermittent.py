@@ -59,7 +59,9 @@ def test_instants_without_truth_do_not_count():
     assert np.isnan(found.errors_m[:10]).all()
     nowhere = at_instants([estimate(0.0, 0.0, 1.0)], late._replace(stamps_ns=late.stamps_ns + 50 * S), heard((0.0, 1)))
     assert np.isnan(nowhere.median_m)
-    with pytest.raises(TrackingError, match='nothing was heard of target 3'):
+    with pytest.raises(TrackingError, match='there is no truth of target 3'):
+        at_instants([], truth()._replace(stamps_ns=np.array([], dtype=np.int64)), heard((0.0, 1)))
+    with pytest.raises(TrackingError, match='there is no measurement of target 3'):
         at_instants([], truth(), heard())
 
 

@@ -18,6 +18,8 @@ import numpy as np
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.models.anchors import Floats
 
+LARGEST = 1e100  # a NEES beyond, infinity too, is as wrong: its squares are numbers still
+
 
 def nees_interval(epochs: float, dimension: int = 2, level: float = 0.95) -> tuple[float, float]:
     """Two-sided acceptance interval of the mean NEES of `epochs` independent epochs (need not be whole).
@@ -39,6 +41,7 @@ def effective_epochs(series: Floats) -> Floats:
     longer positive and kept from rising again (Geyer 1992, initial monotone sequence). NaN values are left
     out; a series that never varies is worth one value, an empty one none.
     """
+    series = np.minimum(series, LARGEST)
     known = ~np.isnan(series)
     count = known.sum(axis=-1)
     size = series.shape[-1]

@@ -71,8 +71,9 @@ def at_instants(
     An instant belongs to the latest estimate that is not after it, whatever its kind: who has no track yet is judged
     by what it says. States are x, y, vx, vy first.
     """
-    if not heard.stamps_ns.size:
-        raise TrackingError(f'nothing was heard of target {truth.target_id}: there is nothing to judge')
+    if not (heard.stamps_ns.size and truth.stamps_ns.size):
+        lacks = 'truth' if heard.stamps_ns.size else 'measurement'
+        raise TrackingError(f'there is no {lacks} of target {truth.target_id}: there is nothing to judge')
     first, last = int(heard.stamps_ns[0]), int(truth.stamps_ns[-1])
     stamps = first + np.round(np.arange(0.0, (last - first) * 1e-9 * rate + 1e-9) / rate * 1e9).astype(np.int64)
     latest = heard.stamps_ns[np.searchsorted(heard.stamps_ns, stamps, side='right') - 1]
