@@ -91,7 +91,7 @@ def test_a_wrong_call_ends_with_2_and_says_what_was_expected(call, arguments, wo
         ('evaluate BAGS/first --json BAGS/first/metadata.yaml/x', 'cannot be written'),
         ('evaluate BAGS/ranged --set input=rssi', '`input` is rssi, but the bag enters at level range'),
         ('simulate a_loop -o BAGS/first', 'BAGS/first exists: name another folder or remove it'),
-        ('simulate a_loop -o /proc/x', '/proc/x cannot be written'),
+        ('simulate a_loop -o /proc/x', '/proc/x cannot be made'),
         ('replay BAGS/first --record BAGS/first', 'BAGS/first exists: name another folder or remove it'),
         ('replay BAGS/first --record /proc/x/y', '/proc/x/y cannot be made'),
         ('import danis BAGS/none -o BAGS/x', 'BAGS/none'),

@@ -20,6 +20,7 @@ from wsn_tracking.errors import TrackingError
 from wsn_tracking.evaluation.phase_recorded import phase_run
 from wsn_tracking.evaluation.phase_runs import SETTLED_S
 from wsn_tracking.evaluation.study_phase import Result, summary
+from wsn_tracking.files import check_new_folder
 from wsn_tracking.graphs.follower import SINK
 from wsn_tracking.node_parameters.serial import SinkSimulatorConfig
 from wsn_tracking.parameters import Values, build
@@ -31,8 +32,7 @@ def follow(output: Path, seed: int, settings: Values) -> Result:
     from wsn_tracking.evaluation.plot_phase import phase_figure
     from wsn_tracking.evaluation.plot_style import save
 
-    if output.exists():
-        raise TrackingError(f'{output} exists: name another folder or remove it')
+    check_new_folder(output)
     bag = output / 'bag'
     config = build(SinkSimulatorConfig, settings).driven
     with tempfile.TemporaryDirectory(prefix='wsn_tracking_') as folder:

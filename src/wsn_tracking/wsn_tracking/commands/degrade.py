@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
 
 from wsn_tracking.commands.base import Commands, add_bag, add_command, seed
-from wsn_tracking.errors import TrackingError
+from wsn_tracking.files import check_new_folder
 from wsn_tracking.models.links import Loss
 
 
@@ -58,8 +57,7 @@ def _do(options: argparse.Namespace) -> int:
     from wsn_tracking.bags.save import save
     from wsn_tracking.bags.thin import thin
 
-    if Path(options.output).exists():
-        raise TrackingError(f'{options.output} exists: name another folder or remove it')
+    check_new_folder(options.output)
     whole = with_epoch_ends(read(options.bag, options.namespace))
     thinned = thin(whole, Loss(options.loss, options.bursts, options.round), options.seed)
     save(options.output, thinned)

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from wsn_tracking import graphs
 from wsn_tracking.commands.base import Commands, add_command, seed
-from wsn_tracking.errors import TrackingError
+from wsn_tracking.files import check_new_folder
 from wsn_tracking.simulation.record import START_NS, record
 from wsn_tracking.simulation.scenarios import SCENARIOS, scenario, settings_of
 
@@ -35,8 +35,7 @@ def add(commands: Commands) -> None:
 
 
 def _do(options: argparse.Namespace) -> int:
-    if Path(options.output).exists():
-        raise TrackingError(f'{options.output} exists: name another folder or remove it')
+    check_new_folder(options.output)
     if options.live:
         return _live(options)
     from wsn_tracking.bags.save import save

@@ -54,7 +54,7 @@ def _counts(entries: tuple[str, ...], name: str) -> dict[str, int]:
     counts = {}
     for entry in filter(None, entries):
         topic, separator, count = entry.rpartition('=')
-        if not separator or not count.isdigit():
+        if not separator or not count.isdecimal():
             raise TrackingError(f'parameter `{name}` holds {entry!r}: expected topic=count')
         counts[topic] = int(count)
     return counts
