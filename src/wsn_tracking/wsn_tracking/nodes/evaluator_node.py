@@ -28,6 +28,7 @@ from wsn_tracking.streams import give_up_output
 from wsn_tracking.trackers.estimate import Estimate
 from wsn_tracking.trackers.fusing import compared
 
+SHARE_OF_TIME = 0.05  # that scores for /diagnostics may take: every epoch so far is in each of them
 QUIET = 4  # looks in a row without a message before the end is believed
 
 
@@ -54,6 +55,8 @@ class EvaluatorNode(TrackingNode[EvaluatorConfig]):
         self._last = time.monotonic()
         self._told: dict[str, dict[str, str]] = {}
         self._seen, self._quiet = 0, 0
+        self._running: dict[str, str] = {}
+        self._score_at = 0.0  # steady time from which on they are computed anew
         for name in self._estimates:
             self._take_output(name)
         self.take(msg.EpochEnd, 'epoch_end', convert.epoch_end_value, self._end, qos.MEASUREMENTS)
@@ -180,12 +183,15 @@ class EvaluatorNode(TrackingNode[EvaluatorConfig]):
         return worst(super().health(), truth(heard, told))
 
     def state(self) -> Mapping[str, Any]:
-        """Running RMSE and NEES of every output."""
-        values: dict[str, Any] = {}
-        for name, s in self._summary().outputs.items():
-            values[f'{name}.rmse_m'], values[f'{name}.nees'] = f'{s.rmse_m:.4f}', f'{s.nees:.2f}'
-        share = traffic(self._reports).share
-        return {**values, 'epochs': sum(map(len, self._ends.values())), 'share sent': f'{share:.3f}'}
+        """Running RMSE and NEES of every output: not so often, in a long run, that they cost much of the time."""
+        began = time.monotonic()
+        if began >= self._score_at:
+            outputs, share = self._summary().outputs, traffic(self._reports).share
+            scores = {name: {'rmse_m': f'{s.rmse_m:.4f}', 'nees': f'{s.nees:.2f}'} for name, s in outputs.items()}
+            self._running = {f'{name}.{what}': value for name, told in scores.items() for what, value in told.items()}
+            self._running['share sent'] = f'{share:.3f}'
+            self._score_at = began + (time.monotonic() - began) / SHARE_OF_TIME
+        return {**self._running, 'epochs': sum(map(len, self._ends.values()))}
 
 
 def main() -> None:
