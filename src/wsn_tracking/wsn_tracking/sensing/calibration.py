@@ -9,11 +9,10 @@ from numpy.typing import ArrayLike
 
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.models.anchors import Floats
+from wsn_tracking.sensing.robust_fit import FAR, GAUSSIAN, HUBER
 
 EXPONENTS = (0.5, 6.0)  # below: a wave guide; above: no indoor measurement says so
 EXPONENT_MEAN, EXPONENT_STD = 2.0, 1.0  # what is known of n before any measurement: free space, loosely
-HUBER = 1.345  # robust scales: 95 % efficient on Gaussian residuals
-OUTLIER = 3.0  # robust scales: what lies further counts as this far in sigma
 MIN_SCALE = 1e-3  # [dB] far below any radio's resolution
 MIN_POINTS = 3
 PASSES = 100
@@ -58,7 +57,7 @@ def fit_path_loss(
         if max(abs(p1 - before[0]), abs(n - before[1])) < 1e-9:
             break
     residual = y - p1 + n * x
-    limit = OUTLIER * _scale(residual)
+    limit = FAR * _scale(residual)
     freedom = max(1.0 - 2.0 / residual.size, 1.0 / residual.size)  # two numbers were fitted
     variance = np.average(np.clip(residual, -limit, limit) ** 2, weights=w) / freedom
     return PathLoss(float(p1), float(n), max(float(np.sqrt(variance)), MIN_SCALE), int(residual.size))
@@ -76,4 +75,4 @@ def _line(x: Floats, y: Floats, w: Floats, scale: float) -> tuple[float, float]:
 
 def _scale(residual: Floats) -> float:
     """Standard deviation of Gaussian residuals by their median size, indifferent to outliers."""
-    return max(float(np.median(np.abs(residual))) * 1.4826, MIN_SCALE)
+    return max(float(np.median(np.abs(residual))) * GAUSSIAN, MIN_SCALE)

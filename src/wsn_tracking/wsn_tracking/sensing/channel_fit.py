@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from wsn_tracking.models.anchors import Floats
 from wsn_tracking.models.radio_map import RadioMap, make_map
+from wsn_tracking.sensing.calibration import EXPONENTS
 from wsn_tracking.sensing.channel import PathLoss, Quantity, Ranging
 from wsn_tracking.sensing.field_fit import FieldFit, covariance_of, fit_field
 from wsn_tracking.sensing.shrinkage import PopulationPrior
@@ -17,7 +18,6 @@ from wsn_tracking.sensing.survey import Survey
 # Scatter: of rooms, and counts for eight places.
 PATH_LOSS = PopulationPrior(np.array([-60.0, 2.0]), np.array([20.0, 1.0]), np.array([2.0, 0.3]), 3.0)
 RANGING = PopulationPrior(np.array([0.0, 0.0]), np.array([0.5, 0.03]), np.array([0.05, 0.002]), 0.05)
-EXPONENTS = (0.5, 6.0)  # below: a wave guide; above: no indoor measurement says so
 OWN = 8.0  # places that the scatter of all nodes counts for beside a node's own
 LEAST_FREEDOM = 3.0
 FINE = 1e-6  # [dB] noise of a survey without any
