@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from wsn_tracking.models.anchors import Floats
@@ -36,9 +38,9 @@ def change_of(value: Floats, base: Floats) -> Figure:
 
 def _figure(value: float, error: float, scale: float) -> Figure:
     low, high = value - NORMAL_95 * error, value + NORMAL_95 * error
-    return {'value': _short(scale * value), 'interval_95': [_short(scale * low), _short(scale * high)]}
+    return {'value': short(scale * value), 'interval_95': [short(scale * low), short(scale * high)]}
 
 
-def _short(value: float) -> float:
-    """Five digits: what lies beyond differs between machines and means nothing."""
-    return float(f'{value:.5g}')
+def short(value: float | np.floating[Any], digits: int = 5) -> float:
+    """So many digits: what lies beyond differs between machines and means nothing."""
+    return float(f'{value:.{digits}g}')

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from wsn_tracking.evaluation import loss_runs
-from wsn_tracking.evaluation.intervals import mean_of, ratio_of
+from wsn_tracking.evaluation.intervals import mean_of, ratio_of, short
 from wsn_tracking.evaluation.loss_runs import Scores, Worlds
 from wsn_tracking.models.anchors import Floats
 from wsn_tracking.models.links import Loss
@@ -48,15 +48,10 @@ def loss_kind(runs: int = 1000, seed: int = 1, rates: tuple[float, ...] = (0.3, 
 def _typical(worlds: Worlds, loss: Loss) -> Result:
     scores = {name: loss_runs.track(worlds, LossTolerantConfig(filter=name), loss) for name in FILTERS}
     return {
-        'rmse_of_the_median_run_m': {name: _short(np.sqrt(np.median(squares(s)))) for name, s in scores.items()},
-        'nees_of_the_median_run': {name: _short(median_nees(s)) for name, s in scores.items()},
-        'lost_tracks': {name: _short(np.mean(is_lost(s))) for name, s in scores.items()},
+        'rmse_of_the_median_run_m': {name: short(np.sqrt(np.median(squares(s))), 4) for name, s in scores.items()},
+        'nees_of_the_median_run': {name: short(median_nees(s), 4) for name, s in scores.items()},
+        'lost_tracks': {name: short(np.mean(is_lost(s)), 4) for name, s in scores.items()},
     }
-
-
-def _short(value: Any) -> float:
-    """Four digits."""
-    return float(f'{value:.4g}')
 
 
 def compared(worlds: Worlds, loss: Loss) -> Result:
@@ -64,11 +59,11 @@ def compared(worlds: Worlds, loss: Loss) -> Result:
     scores = {name: loss_runs.track(worlds, LossTolerantConfig(filter=name), loss) for name in FILTERS}
     document = squares(scores['ckf'])
     return {
-        'rmse_m': {name: _short(rmse(s)) for name, s in scores.items()},
+        'rmse_m': {name: short(rmse(s), 4) for name, s in scores.items()},
         'ckf_of': {name: ratio_of(document, squares(s), root=True) for name, s in scores.items() if name != 'ckf'},
-        'nees_of_the_median_run': {name: _short(median_nees(s)) for name, s in scores.items()},
+        'nees_of_the_median_run': {name: short(median_nees(s), 4) for name, s in scores.items()},
         'nees': {name: mean_of(np.mean(s.nees, axis=1)) for name, s in scores.items()},
-        'lost_tracks': {name: _short(np.mean(is_lost(s))) for name, s in scores.items()},
+        'lost_tracks': {name: short(np.mean(is_lost(s)), 4) for name, s in scores.items()},
     }
 
 

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from wsn_tracking.evaluation.intervals import short
 from wsn_tracking.evaluation.phase_runs import SETTLED_S, PhaseConfig, PhaseRun, run
 from wsn_tracking.simulation.d_cells import CellsConfig
 
@@ -44,10 +45,10 @@ def summary(runs: list[PhaseRun], settled: float) -> Result:
     error = np.degrees(np.stack([r.error for r in runs]))
     squared = [np.nanmean(np.sum((r.estimates - r.truth[..., :2])[:, scored] ** 2, axis=-1)) for r in runs]
     return {
-        'rms_deg': _short(np.sqrt(np.mean(error[:, scored] ** 2))),
-        'worst_deg': _short(np.abs(error[:, scored]).max()),
-        'caught_up_after_s': _short(max(caught_up(r) for r in runs)),
-        'tracking_rmse_cm': _short(100.0 * np.sqrt(np.mean(squared))),
+        'rms_deg': short(np.sqrt(np.mean(error[:, scored] ** 2)), 3),
+        'worst_deg': short(np.abs(error[:, scored]).max(), 3),
+        'caught_up_after_s': short(max(caught_up(r) for r in runs), 3),
+        'tracking_rmse_cm': short(100.0 * np.sqrt(np.mean(squared)), 3),
     }
 
 
@@ -55,8 +56,3 @@ def caught_up(r: PhaseRun) -> float:
     """When the second robot was last more than 10 degrees off [s]."""
     off = np.flatnonzero(np.abs(r.error) > CAUGHT_UP)
     return float(r.times[off[-1]]) if off.size else 0.0
-
-
-def _short(value: Any) -> float:
-    """Three digits."""
-    return float(f'{value:.3g}')
