@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from wsn_tracking.bags.importing.common import is_called
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.evaluation.interpolation import truth_at
 from wsn_tracking.models.anchors import Anchors, Floats
@@ -69,8 +70,9 @@ def _set_at(path: Path) -> str | None:
     """Which set the folder is of; None for a bag."""
     if not path.is_dir() or (path / 'metadata.yaml').exists() or any(path.glob('*.mcap')):
         return None
+    files = list(path.rglob('*'))
     for pattern, kind in SURVEYS.items():
-        if next(path.rglob(pattern), None) is not None:
+        if any(is_called(file, pattern) for file in files):
             return kind
     raise TrackingError(
         f'{path} is neither a bag (metadata.yaml, *.mcap) nor the folder of a survey ({", ".join(SURVEYS)}): '
