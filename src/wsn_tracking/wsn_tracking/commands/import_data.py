@@ -20,7 +20,7 @@ def add(commands: Commands) -> None:
         'plaza gtsam/examples/Data/Plaza2_.mat --channel plaza.yaml -o plaza2',
     )
     command.add_argument('kind', choices=KINDS, help='which recording (docs/datasets.md)')
-    command.add_argument('source', metavar='SRC', help='folder of the recording; where it holds several, the file of one')
+    command.add_argument('source', metavar='SRC', help='folder of the recording; of several, the file of one')
     command.add_argument('--rate', type=hertz, metavar='HZ', help='lias: epochs per second (default: 10)')
     command.add_argument('--channel', metavar='FILE', help='calibration whose radios replace those of the recording')
     command.add_argument(
