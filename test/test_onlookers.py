@@ -18,8 +18,8 @@ from watching import File, watching
 from wsn_tracking import graphs
 from wsn_tracking.bags.read import read
 from wsn_tracking.evaluation.ellipses import CHI2_95
-from wsn_tracking.evaluation.node_states import LOOKS, SENT, rgb
 from wsn_tracking.nodes import convert, qos
+from wsn_tracking.viewing.node_states import LOOKS, SENT, rgb
 
 TIMEOUT = 30.0  # [s]
 RATE = 25.0

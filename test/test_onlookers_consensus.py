@@ -15,11 +15,11 @@ import viewers
 from observer import observing
 from wsn_tracking import graphs
 from wsn_tracking.errors import TrackingError
-from wsn_tracking.evaluation.node_states import ARRIVED, LOOKS, LOST, UNREPORTED, rgb
-from wsn_tracking.evaluation.scene import Scene
 from wsn_tracking.models.anchors import make_anchors
 from wsn_tracking.nodes import convert_consensus, markers, qos
 from wsn_tracking.trackers.consensus_report import ConsensusReport, Outcome, report_of
+from wsn_tracking.viewing.node_states import ARRIVED, LOOKS, LOST, UNREPORTED, rgb
+from wsn_tracking.viewing.scene import Scene
 
 TIMEOUT = 60.0  # [s]
 NODES = set(range(1, 11))

@@ -9,10 +9,10 @@ import live
 import viewers
 from wsn_tracking import graphs
 from wsn_tracking.bags.read import read
-from wsn_tracking.evaluation.scene import Scene
 from wsn_tracking.nodes import convert, markers
 from wsn_tracking.nodes.paths import places_of
 from wsn_tracking.trackers.estimate import Estimate, Kind
+from wsn_tracking.viewing.scene import Scene
 
 
 def test_markers_change_nothing_in_the_rest_of_the_graph():

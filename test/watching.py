@@ -9,8 +9,8 @@ import sys
 
 import numpy as np
 
-from wsn_tracking.evaluation.node_states import LOOKS, rgb
 from wsn_tracking.evaluation.plot_style import COLOURS
+from wsn_tracking.viewing.node_states import LOOKS, rgb
 
 
 class File:

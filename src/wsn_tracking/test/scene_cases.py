@@ -2,9 +2,9 @@
 
 from evaluation_cases import noisy_track
 
-from wsn_tracking.evaluation.scene import Scene
 from wsn_tracking.models.anchors import make_anchors
 from wsn_tracking.sensing.values import TriggerReport
+from wsn_tracking.viewing.scene import Scene
 
 S = 1_000_000_000
 

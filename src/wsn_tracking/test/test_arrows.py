@@ -27,6 +27,7 @@ ROOMS = {
     'bags': ('sensing',),
     'simulation': ('sensing',),
     'evaluation': ('trackers', 'bags', 'simulation'),
+    'viewing': ('evaluation',),
     'zstack': (),
     # what stands above the rooms, for nodes and commands
     'node_parameters': ('trackers', 'zstack', 'driven_air'),
@@ -47,9 +48,9 @@ ROOMS = {
     'follower': ('evaluation', 'processes'),
     'benchmarks': ('offline', 'processes'),
     'documentation': ('node_parameters', 'bags'),
-    'nodes': ('evaluation', 'bridging', 'airwaves', 'offline'),
+    'nodes': ('viewing', 'bridging', 'airwaves', 'offline'),
     'commands': (
-        'evaluation',
+        'viewing',
         'airwaves',
         'offline',
         'processes',

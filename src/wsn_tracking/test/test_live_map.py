@@ -8,15 +8,15 @@ from scene_cases import S, filled, report
 
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.evaluation import plot_style
-from wsn_tracking.evaluation.live_legend import label
-from wsn_tracking.evaluation.node_states import rgb
-from wsn_tracking.evaluation.scene import Scene, Trail
+from wsn_tracking.viewing.live_legend import label
+from wsn_tracking.viewing.node_states import rgb
+from wsn_tracking.viewing.scene import Scene, Trail
 
 
 @pytest.fixture
 def live():
     pytest.importorskip('matplotlib')
-    from wsn_tracking.evaluation import live_map, live_track
+    from wsn_tracking.viewing import live_map, live_track
 
     figure = live_map.new_live_figure()
     return figure, live_map.LiveMap(figure, 'title'), live_track
@@ -123,7 +123,7 @@ def test_several_targets_and_stamps_beyond_the_calendar_are_drawn(live):
 
 def test_a_png_is_left_alone_while_nothing_has_changed(tmp_path):
     pytest.importorskip('matplotlib')
-    from wsn_tracking.evaluation.live_window import Png
+    from wsn_tracking.viewing.live_window import Png
 
     path, (scene, _, estimates) = tmp_path / 'live.png', filled()
     view = Png(path, 'title')
@@ -138,7 +138,7 @@ def test_a_png_is_left_alone_while_nothing_has_changed(tmp_path):
 
 def test_a_png_that_cannot_be_written_is_one_clear_error(tmp_path):
     pytest.importorskip('matplotlib')
-    from wsn_tracking.evaluation.live_window import Png
+    from wsn_tracking.viewing.live_window import Png
 
     (tmp_path / 'file').write_text('')
     with pytest.raises(TrackingError, match='cannot be written'):

@@ -6,9 +6,9 @@ from evaluation_cases import noisy_track
 from scene_cases import S, filled, report
 
 from wsn_tracking.evaluation.ellipses import CHI2_95, ellipse, known
-from wsn_tracking.evaluation.node_states import ARRIVED, LOOKS, LOST, SENT, UNREPORTED, look, rgb
-from wsn_tracking.evaluation.scene import TRUTHS_PER_EPOCH, Scene, pick
 from wsn_tracking.sensing.values import Reason
+from wsn_tracking.viewing.node_states import ARRIVED, LOOKS, LOST, SENT, UNREPORTED, look, rgb
+from wsn_tracking.viewing.scene import TRUTHS_PER_EPOCH, Scene, pick
 
 # ---- geometry and colours
 

@@ -29,9 +29,9 @@ def add(commands: Commands) -> None:
 
 
 def _do(options: argparse.Namespace) -> int:
-    from wsn_tracking.evaluation.live_window import Png, Window
-    from wsn_tracking.evaluation.scene import Scene, pick
     from wsn_tracking.nodes.watcher import watching
+    from wsn_tracking.viewing.live_window import Png, Window
+    from wsn_tracking.viewing.scene import Scene, pick
 
     choose: Callable[[Iterable[str]], Sequence[str]] = (lambda _: options.outputs) if options.outputs else pick
     title = f'wsn_tracking {options.namespace}'.rstrip()

@@ -7,7 +7,6 @@ from typing import Any
 
 from visualization_msgs.msg import MarkerArray
 
-from wsn_tracking.evaluation.scene import Scene
 from wsn_tracking.models.anchors import Anchors
 from wsn_tracking.node_parameters.listeners import MarkerConfig
 from wsn_tracking.nodes import markers, qos
@@ -15,6 +14,7 @@ from wsn_tracking.nodes.base import TrackingNode, run
 from wsn_tracking.nodes.health import OK, Health
 from wsn_tracking.nodes.paths import Paths
 from wsn_tracking.nodes.scenery import Scenery
+from wsn_tracking.viewing.scene import Scene
 
 
 class MarkerNode(TrackingNode[MarkerConfig]):

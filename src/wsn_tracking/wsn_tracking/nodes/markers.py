@@ -10,11 +10,11 @@ from std_msgs.msg import ColorRGBA, Header
 from visualization_msgs.msg import Marker, MarkerArray
 
 from wsn_tracking.evaluation.ellipses import ellipse, known
-from wsn_tracking.evaluation.node_states import look, rgb
 from wsn_tracking.evaluation.plot_style import COLOURS, INK, MUTED
-from wsn_tracking.evaluation.scene import Scene, Track
 from wsn_tracking.models.anchors import Anchors, Floats
 from wsn_tracking.nodes.convert import header
+from wsn_tracking.viewing.node_states import look, rgb
+from wsn_tracking.viewing.scene import Scene, Track
 
 SHARE = 0.018  # size of a node in the extent of all of them
 SMALLEST = 0.02  # [m]

@@ -9,10 +9,10 @@ from nav_msgs.msg import Path
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 
-from wsn_tracking.evaluation.scene import Scene
 from wsn_tracking.nodes import qos
 from wsn_tracking.nodes.convert import header
 from wsn_tracking.trackers.estimate import Estimate, Kind
+from wsn_tracking.viewing.scene import Scene
 
 Place = tuple[int, float, float]  # stamp [ns], x, y [m]
 

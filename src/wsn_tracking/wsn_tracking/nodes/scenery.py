@@ -12,12 +12,12 @@ from rclpy.subscription import Subscription
 from wsn_tracking_msgs import msg
 
 from wsn_tracking.bags.types import truth_target
-from wsn_tracking.evaluation.scene import Scene
 from wsn_tracking.models.anchors import Anchors
 from wsn_tracking.nodes import convert, convert_consensus, qos
 from wsn_tracking.sensing.values import TriggerReport
 from wsn_tracking.trackers.consensus_report import ConsensusReport
 from wsn_tracking.trackers.estimate import Estimate
+from wsn_tracking.viewing.scene import Scene
 
 LOOK_EVERY = 0.5  # [s] steady time
 ESTIMATE, TRUTH = 'wsn_tracking_msgs/msg/TargetEstimate', 'nav_msgs/msg/Odometry'

@@ -18,10 +18,10 @@ from rclpy.subscription import Subscription
 from rclpy.validate_namespace import validate_namespace
 
 from wsn_tracking.errors import TrackingError
-from wsn_tracking.evaluation.scene import Scene
 from wsn_tracking.nodes.refusals import one_line
 from wsn_tracking.nodes.scenery import Scenery
 from wsn_tracking.nodes.shared_memory import remove_unfinished
+from wsn_tracking.viewing.scene import Scene
 
 BREATH = 0.05  # [s]
 

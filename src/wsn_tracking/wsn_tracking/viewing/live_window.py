@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.evaluation import plot_style as style
-from wsn_tracking.evaluation.live_map import DPI, SIZE, LiveMap, new_live_figure
-from wsn_tracking.evaluation.scene import Scene
+from wsn_tracking.viewing.live_map import DPI, SIZE, LiveMap, new_live_figure
+from wsn_tracking.viewing.scene import Scene
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

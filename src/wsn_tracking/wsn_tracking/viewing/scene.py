@@ -10,11 +10,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from wsn_tracking.evaluation.node_states import ARRIVED, LOST, SENT
 from wsn_tracking.models.anchors import Anchors, Floats
 from wsn_tracking.sensing.values import TriggerReport
 from wsn_tracking.trackers.consensus_report import ConsensusReport
 from wsn_tracking.trackers.estimate import Estimate
+from wsn_tracking.viewing.node_states import ARRIVED, LOST, SENT
 
 TRUTHS_PER_EPOCH = 4  # a truth of 100 Hz is not drawn sample by sample
 LIKELY = 0.5  # probability from which on an observation is taken to have arrived

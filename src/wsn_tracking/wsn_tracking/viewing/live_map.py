@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from wsn_tracking.evaluation import plot_style as style
-from wsn_tracking.evaluation.live_legend import Legends
-from wsn_tracking.evaluation.live_track import LiveTrack, LiveTrail
-from wsn_tracking.evaluation.node_states import look
 from wsn_tracking.evaluation.plot_map import MOST_IDS
-from wsn_tracking.evaluation.scene import Scene, Track, Trail
 from wsn_tracking.models.anchors import Anchors, Floats
+from wsn_tracking.viewing.live_legend import Legends
+from wsn_tracking.viewing.live_track import LiveTrack, LiveTrail
+from wsn_tracking.viewing.node_states import look
+from wsn_tracking.viewing.scene import Scene, Track, Trail
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from wsn_tracking.evaluation import plot_style as style
 from wsn_tracking.evaluation.ellipses import ellipse, known
-from wsn_tracking.evaluation.node_states import rgb
-from wsn_tracking.evaluation.scene import Track, Trail
 from wsn_tracking.models.anchors import Floats
+from wsn_tracking.viewing.node_states import rgb
+from wsn_tracking.viewing.scene import Track, Trail
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

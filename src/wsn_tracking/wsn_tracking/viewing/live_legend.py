@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from wsn_tracking.evaluation import plot_style as style
-from wsn_tracking.evaluation.node_states import look
-from wsn_tracking.evaluation.scene import Track, Trail
+from wsn_tracking.viewing.node_states import look
+from wsn_tracking.viewing.scene import Track, Trail
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist

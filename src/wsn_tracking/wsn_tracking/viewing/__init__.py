@@ -1,0 +1,1 @@
+"""What a running graph shows: the latest epochs, on a map that lives."""
