@@ -19,6 +19,7 @@ from rclpy.executors import ExternalShutdownException
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.qos import QoSProfile
+from rclpy.signals import uninstall_signal_handlers
 from rclpy.subscription import Subscription
 from rclpy.timer import Timer
 from std_msgs.msg import String
@@ -191,12 +192,13 @@ class TrackingNode(Node, Generic[Config]):
 def run(make: Callable[[], TrackingNode[Any]]) -> None:
     """Spin a node until it is finished, interrupted or told to stop; what is wrong at its start is told in one line."""
     remove_unfinished()
-    code, begun, node = 0, False, None
+    code, begun, node, executor = 0, False, None, None
     try:
         rclpy.init()
         begun = True
         node = make()
-        make_executor(node).spin()
+        executor = make_executor(node)
+        executor.spin()
     except (KeyboardInterrupt, ExternalShutdownException):
         pass
     except Finished as finished:
@@ -210,8 +212,10 @@ def run(make: Callable[[], TrackingNode[Any]]) -> None:
                 raise
             code = _told(one_line(error))
     finally:
+        uninstall_signal_handlers()  # their thread may still wake the executor, which therefore lives on so far
         for number in (signal.SIGINT, signal.SIGTERM):  # the end has begun: a second request must not break it
             signal.signal(number, signal.SIG_IGN)
+        del executor
         if node is not None:
             code = _ended(node, code)
         rclpy.try_shutdown()  # type: ignore[attr-defined]
