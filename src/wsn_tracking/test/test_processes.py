@@ -16,7 +16,7 @@ from wsn_tracking.errors import TrackingError
 from wsn_tracking.graphs import Process
 from wsn_tracking.processes import command, declared, executable, run_graph, write_parameters
 
-STAY = 'import signal, sys; signal.signal(signal.SIGINT, lambda *_: sys.exit(0)); signal.pause()'
+STAY = 'import signal, sys; signal.signal(signal.SIGTERM, lambda *_: sys.exit(0)); signal.pause()'
 
 
 @pytest.fixture
@@ -138,7 +138,7 @@ def test_a_feed_that_fails_ends_the_graph_after_a_grace(installed, capfd, monkey
 def test_a_process_that_does_not_listen_is_killed(installed, monkeypatch):
     monkeypatch.setattr(processes, 'GRACE', 0.05)
     deaf = str(installed.folder / 'deaf')
-    ignore = 'import signal; signal.signal(signal.SIGINT, signal.SIG_IGN)'
+    ignore = 'import signal; signal.signal(signal.SIGTERM, signal.SIG_IGN)'
     installed('estimator_node', f'{ignore}; open({deaf!r}, "w")\nwhile True: signal.pause()')
     installed('evaluator_node', until(f'os.path.exists({deaf!r})'))
     assert run_graph([process('estimator_node'), process('evaluator_node')], ['evaluator_node']) == 0
@@ -214,7 +214,7 @@ def end(*_):
     exec({close!r})
     open({str(closed)!r}, 'w')
     raise SystemExit
-signal.signal(signal.SIGINT, end)
+signal.signal(signal.SIGTERM, end)
 open({str(installed.folder / 'listens')!r}, 'w').write('now')
 signal.pause()
 """,
@@ -271,3 +271,13 @@ def test_a_value_that_a_node_would_refuse_is_told_before_anything_starts(install
     with pytest.raises(TrackingError, match=r'parameter `seed` is -3: expected an integer >= 0'):
         run_graph(graph, ['estimator_node'])
     assert not (installed.folder / 'estimator_node.pid').exists()
+
+
+def test_a_process_that_is_still_starting_ends_without_a_word(installed, ctrl_c, capfd):
+    """Python that is importing answers SIGINT with a traceback, and a graph has many processes."""
+    installed('estimator_node', until('False'))
+    sender = send_when(installed.folder / 'estimator_node.pid', signal.SIGINT)
+    with pytest.raises(KeyboardInterrupt):
+        run_graph([process('estimator_node')], ['estimator_node'])
+    sender.join()
+    assert capfd.readouterr().err == ''

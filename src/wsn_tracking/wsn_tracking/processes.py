@@ -169,7 +169,7 @@ def _wait(running: Mapping[str, subprocess.Popen[bytes]], last: Sequence[str], a
 def _end(running: Mapping[str, subprocess.Popen[bytes]]) -> None:
     alive = [process for process in running.values() if process.poll() is None]
     for process in alive:
-        process.send_signal(signal.SIGINT)
+        process.terminate()  # a node that is still being imported tells of SIGINT at length
     deadline = time.monotonic() + GRACE
     for process in alive:
         try:
