@@ -166,11 +166,13 @@ def test_what_cannot_be_executed_is_an_error_of_ours(installed):
 
 
 @pytest.fixture
-def ctrl_c():
-    """SIGINT as a program finds it; processes that run tests side by side ignore it."""
-    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+def heard():
+    """Signals that nobody ignores: who runs tests side by side ignores SIGINT, nohup SIGHUP."""
+    numbers = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+    before = [signal.signal(number, lambda *_: None) for number in numbers]
     yield
-    signal.signal(signal.SIGINT, before)
+    for number, handler in zip(numbers, before, strict=True):
+        signal.signal(number, handler)
 
 
 def send_when(path, *numbers):
@@ -189,7 +191,7 @@ def send_when(path, *numbers):
 
 
 @pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
-def test_a_signal_ends_all_of_it(installed, ctrl_c, number):
+def test_a_signal_ends_all_of_it(installed, heard, number):
     """What a user, `timeout`, make or a closed terminal sends."""
     installed('estimator_node', STAY)
     before = signal.getsignal(number)
@@ -201,7 +203,7 @@ def test_a_signal_ends_all_of_it(installed, ctrl_c, number):
     assert signal.getsignal(number) is before
 
 
-def test_a_second_request_leaves_nobody_behind_and_lets_all_end_in_order(installed, ctrl_c):
+def test_a_second_request_leaves_nobody_behind_and_lets_all_end_in_order(installed, heard):
     """A recorder that is closing its bag when Ctrl-C is pressed again, and the terminal closed."""
     closing, going, closed = (installed.folder / name for name in ('closing', 'going', 'closed'))
     close = until(f'os.path.exists({str(going)!r})')
@@ -273,7 +275,7 @@ def test_a_value_that_a_node_would_refuse_is_told_before_anything_starts(install
     assert not (installed.folder / 'estimator_node.pid').exists()
 
 
-def test_a_process_that_is_still_starting_ends_without_a_word(installed, ctrl_c, capfd):
+def test_a_process_that_is_still_starting_ends_without_a_word(installed, heard, capfd):
     """Python that is importing answers SIGINT with a traceback, and a graph has many processes."""
     installed('estimator_node', until('False'))
     sender = send_when(installed.folder / 'estimator_node.pid', signal.SIGINT)
