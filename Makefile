@@ -6,11 +6,11 @@
 run:
 	./wsn-tracking replay $(or $(BAG),bags/a_loop) --rate max
 
-# pytest comes last, so that its closing line is the last line.
+# pytest comes last, so that its closing line is the last line. Three workers keep two cores busy: live tests often wait.
 test:
 	./env ruff check
 	./env mypy
-	./env python -m pytest -q --cov -n 2 --dist loadfile
+	./env python -m pytest -q --cov -n 3 --dist loadfile
 
 build:
 	./env
