@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from oracles import LOOP, NOISE, H, beliefs, covariances, properties, seeds, some_silent
 
-from wsn_tracking.filters import blocks, gram, qr
+from wsn_tracking.filters import blocks, gram, qr, srckf
 from wsn_tracking.filters.belief import Belief
 from wsn_tracking.filters.cubature import regress
 from wsn_tracking.filters.linalg import WRITTEN_OUT, matvec, transpose
@@ -202,7 +202,8 @@ def test_a_matrix_that_is_not_definite_has_no_factor_that_is_trusted(batch):
 def test_blocks_of_a_large_batch_change_nothing(monkeypatch, passes):
     belief, z = drawn(6, (5, 40))
     share = np.full((5, 1, 12), 0.12)
-    monkeypatch.setattr(blocks, 'BLOCK', 70)
+    for module in (blocks, srckf):
+        monkeypatch.setattr(module, 'BLOCK', 70)
     sizes = []
 
     def h(x):

@@ -77,13 +77,13 @@ def condition(prior: Belief, z: Floats, missing: Mask, r: Regression, root_R: Fl
     """
     d, n = r.d, prior.m.shape[-1]
     k = r.rows.shape[-2] - 1
-    innovation = z - r.z_hat
+    precision = np.where(missing, 0.0, 1.0 / (root_R + TINY))
+    innovation = np.where(missing, 0.0, z - r.z_hat)
     batch = innovation.shape[:-1]
     white = np.empty((*batch, *r.rows.shape[-2:]))
     white[...] = r.rows
     white[..., k, :] = innovation
-    white /= (root_R + TINY)[..., None, :]
-    np.copyto(white, 0.0, where=missing[..., None, :])
+    white *= precision[..., None, :]
     frame = _frame(k, k if large(batch) else k + 1 + n, k + 1 + n)
     A = np.empty(batch + frame.shape)
     A[...] = frame
