@@ -40,7 +40,7 @@ def test_a_recorder_that_stands_still_until_the_feed_has_ended_loses_nothing(tmp
 @contextmanager
 def alone(folder):
     """A recorder without a feed that has got two readings: its process, and the publisher that ends its epochs."""
-    recorder = graphs.Process('bag_recorder_node', RECORDER, {'output': str(folder), 'silence': 0.2})
+    recorder = graphs.Process('bag_recorder_node', RECORDER, {'output': str(folder), 'loss_timeout': 0.2})
     with (
         live.private_domain() as environment,
         observing(environment) as observer,
@@ -61,6 +61,7 @@ def test_a_recorder_says_what_was_listed_and_has_not_come(tmp_path):
         output, _ = recorder.communicate(timeout=TIMEOUT)
     assert recorder.returncode == 1
     assert 'rssi: 1 of 3 messages have not come' in output
+    assert 'request: 1 of 1 messages have not come' in output
 
 
 def test_an_interrupted_recorder_finishes_its_bag_and_says_what_it_holds(tmp_path):

@@ -20,6 +20,9 @@ class RecorderConfig:
     extra_topics: tuple[str, ...] = param(('',), 'derived topics that are recorded as well, e.g. estimate/fused_1')
     metadata: tuple[str, ...] = param(('',), 'key=value entries for the metadata of the bag')
     silence: float = param(1.0, 'after the final epoch: silence that ends the recording', 's', 1e-2, 3600.0)
+    loss_timeout: float = param(
+        6.0, 'the same while something that the feed has listed has not come', 's', 1e-2, 3600.0
+    )
 
 
 @dataclass(frozen=True)

@@ -43,6 +43,7 @@ class BagRecorderNode(TrackingNode[RecorderConfig]):
         self._writer = BagWriter(config.output, {'entry_level': config.entry_level, **entries})
         self._counts: Counter[str] = Counter()
         self._listed: Counter[str] = Counter()  # what the feed says that it has sent
+        self._epochs: set[tuple[int, int]] = set()  # target_id, request_seq of each list
         self._going: set[int] = set()  # targets whose feed has not ended
         self._ended = False
         self._last = time.monotonic()
@@ -64,6 +65,8 @@ class BagRecorderNode(TrackingNode[RecorderConfig]):
             if topic == 'epoch_end':
                 end = deserialize_message(cdr, msg.EpochEnd)
                 self._listed[end.topic] += len(end.seqs)
+                self._epochs.add((end.target_id, end.request_seq))
+                self._listed['request'] = len(self._epochs)
                 (self._going.discard if end.final else self._going.add)(end.target_id)
                 self._ended = not self._going
 
@@ -72,8 +75,11 @@ class BagRecorderNode(TrackingNode[RecorderConfig]):
         self._matching.subscription(subscription, topic)
 
     def _finish(self) -> None:
-        if self._ended and time.monotonic() - self._last > self.config.silence:
-            raise Finished(1 if self._missing else 0)
+        silence = time.monotonic() - self._last
+        if self._ended and silence > self.config.silence:
+            missing = self._missing  # the middleware repeats what a reader that stood still has not taken, in its time
+            if not missing or silence > self.config.loss_timeout:
+                raise Finished(1 if missing else 0)
 
     @property
     def _missing(self) -> dict[str, int]:
