@@ -1,40 +1,19 @@
-"""What the recorder's bag holds, however far it falls behind, and what it says of what never came."""
+"""What the recorder says of what never came, and when it is interrupted."""
 
 from __future__ import annotations
 
 import signal
 from contextlib import contextmanager
 
-from std_msgs.msg import String
 from wsn_tracking_msgs import msg
 
 import live
 from observer import observing
 from wsn_tracking import graphs
-from wsn_tracking.bags.read import read
 from wsn_tracking.node_parameters.feeds import RECORDER
 from wsn_tracking.nodes import qos
 
 TIMEOUT = 60.0  # [s]
-
-
-def test_a_recorder_that_stands_still_until_the_feed_has_ended_loses_nothing(tmp_path):
-    graph = graphs.replay(str(live.A_LOOP), rate=0.0, record={'output': str(tmp_path / 'out')})
-    first, evaluator = ([p for p in graph if (p.name == 'evaluator') is last] for last in (False, True))
-    with (
-        live.private_domain() as environment,
-        observing(environment) as observer,
-        live.started(first, environment) as running,
-    ):
-        ready = observer.collect(String, 'ready', qos.LATCHED)
-        observer.until(lambda: RECORDER in {said.data for said in ready}, TIMEOUT, 'the recorder')
-        running[RECORDER].send_signal(signal.SIGSTOP)
-        with live.started(evaluator, environment) as scoring:  # without which nothing is sent
-            live.wait_all(scoring, ['evaluator'], TIMEOUT)  # ends once the last estimate is in
-        running[RECORDER].send_signal(signal.SIGCONT)
-        live.wait_all(running, [RECORDER, 'bag_player'], TIMEOUT)
-    sent, kept = read(live.A_LOOP), read(tmp_path / 'out')
-    assert sorted(map(repr, kept.messages)) == sorted(map(repr, sent.messages))
 
 
 @contextmanager
