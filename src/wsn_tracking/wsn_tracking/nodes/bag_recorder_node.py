@@ -43,7 +43,7 @@ class BagRecorderNode(TrackingNode[RecorderConfig]):
         self._writer = BagWriter(config.output, {'entry_level': config.entry_level, **entries})
         self._counts: Counter[str] = Counter()
         self._listed: Counter[str] = Counter()  # what the feed says that it has sent
-        self._epochs: set[tuple[int, int]] = set()  # target_id, request_seq of each list
+        self._newest: dict[int, int] = {}  # target_id -> request_seq of its last list; a repeated one asks for nothing
         self._going: set[int] = set()  # targets whose feed has not ended
         self._ended = False
         self._last = time.monotonic()
@@ -65,8 +65,8 @@ class BagRecorderNode(TrackingNode[RecorderConfig]):
             if topic == 'epoch_end':
                 end = deserialize_message(cdr, msg.EpochEnd)
                 self._listed[end.topic] += len(end.seqs)
-                self._epochs.add((end.target_id, end.request_seq))
-                self._listed['request'] = len(self._epochs)
+                self._listed['request'] += self._newest.get(end.target_id) != end.request_seq
+                self._newest[end.target_id] = end.request_seq
                 (self._going.discard if end.final else self._going.add)(end.target_id)
                 self._ended = not self._going
 
