@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections import Counter
 from collections.abc import Mapping
 from typing import Any
@@ -15,7 +16,7 @@ from wsn_tracking.trackers.estimate import Estimate
 from wsn_tracking.trackers.hybrid_readings import DistanceTable
 
 
-class Memoryless:
+class Memoryless(ABC):
     """Places a target by the distances of the latest epoch that was enough; covariance and velocity are not known."""
 
     def __init__(self, anchors: Anchors, target_height: float = 0.0) -> None:
@@ -50,9 +51,9 @@ class Memoryless:
         head = epoch.stamp_ns, epoch.target_id, epoch.request_seq
         return (Estimate(*head, self.outputs[0], mean, np.full((4, 4), np.nan)),)
 
+    @abstractmethod
     def place(self, d: Floats) -> Floats:
         """The place (2,) of plane distances (N,) [m], NaN where nothing was heard; NaN where they are not enough."""
-        raise NotImplementedError  # each baseline has its own
 
 
 class Nearest(Memoryless):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -12,7 +13,7 @@ from wsn_tracking.trackers.tracker import Tracker
 
 
 @dataclass(frozen=True)
-class TrackerNodeConfig(AssemblyConfig):
+class TrackerNodeConfig(AssemblyConfig, ABC):
     """Whatever tracks by itself: what it takes; a subclass says by which tracker."""
 
     system: ClassVar[str]
@@ -41,10 +42,10 @@ class TrackerNodeConfig(AssemblyConfig):
         """Whether a target that is heard is followed, beside `count` others."""
         return False
 
+    @abstractmethod
     def tracker(self, anchors: Anchors, target_id: int) -> Tracker:
         """What tracks a target."""
-        raise NotImplementedError  # each system has its own; a base of dataclasses is no ABC
 
+    @abstractmethod
     def outputs(self, target_id: int) -> tuple[str, ...]:
         """Names of its estimates of a target."""
-        raise NotImplementedError  # each system has its own; a base of dataclasses is no ABC
