@@ -7,8 +7,8 @@ from collections import Counter, defaultdict
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
-from wsn_tracking.sensing.epochs import JUMP_NS
 from wsn_tracking.sensing.recording import Message, epoch_key
+from wsn_tracking.sensing.runs import JUMP_NS
 from wsn_tracking.sensing.values import EpochEnd, Measurement, Range, RangeBearing, Request, Rssi, TriggerReport
 
 Key = tuple[int, int]  # target_id, request_seq

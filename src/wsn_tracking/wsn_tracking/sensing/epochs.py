@@ -13,16 +13,14 @@ from collections.abc import Iterable
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.sensing.average import one_a_node, unusable
 from wsn_tracking.sensing.open_epochs import MAX_OPEN, Key, Listing, OpenEpoch, OpenEpochs
+from wsn_tracking.sensing.runs import Message, begins, falls_back, is_confirmed, is_stray
 from wsn_tracking.sensing.values import Epoch, EpochEnd, Measurement, Request, TriggerReport
 
-JUMP_NS = 1_000_000_000  # requests that fall back by more than this are a new run (a looped bag)
 MAX_LATE = 1000  # late messages held in case a new run's request is still to come
 MAX_AHEAD = 10_000  # messages of a new run held while the old one closes
 FORGET_AFTER = 3  # epochs without its report, and a node is no longer waited for
 
 NO_LOSS = ('used', 'epochs', 'lists', 'late_list', 'other_node', 'renumbered')  # counters of what was not dropped
-
-Message = Request | Measurement | Listing
 
 
 class EpochAssembler:
@@ -99,7 +97,7 @@ class EpochAssembler:
             if epoch.lacks(self._awaited()):
                 if now - epoch.touched < self.loss_timeout and len(self._open) <= MAX_OPEN:
                     break
-                if self._ahead and self._jumps(self._ahead[0]):
+                if self._ahead and falls_back(self._ahead[0], self._newest):
                     self._discard_open()  # the old run was cut off
                     break
                 self._count_loss(epoch)
@@ -130,7 +128,7 @@ class EpochAssembler:
         if self._ahead:
             self._take_second(request, now)
             return
-        if self._newest is not None and self._begins_run(request, self._newest):
+        if begins(request, self._newest):
             self._ahead.append(request)
             self._follow(now)
             return
@@ -153,7 +151,7 @@ class EpochAssembler:
         if request == self._newest:
             self.counters['duplicate_request'] += 1
             return
-        if not self._is_stray(request):
+        if not is_stray(self._ahead[0], request, self._newest):
             self._hold(request)
             self._follow(now)
             return
@@ -264,25 +262,6 @@ class EpochAssembler:
 
     # ---- runs
 
-    def _begins_run(self, request: Request, newest: Request) -> bool:
-        return self._begins_in_the_past(request) or (request.seq <= newest.seq and request.stamp_ns > newest.stamp_ns)
-
-    def _begins_in_the_past(self, request: Request) -> bool:
-        return self._newest is not None and request.stamp_ns < self._newest.stamp_ns - JUMP_NS
-
-    def _is_stray(self, second: Request) -> bool:
-        """Whether a request that fell back in time was one bad stamp: the next one goes on where the old run was."""
-        return self._jumps(self._ahead[0]) and self._newest is not None and second.stamp_ns > self._newest.stamp_ns
-
-    def _is_confirmed(self) -> bool:
-        """A jump back counts when a second request follows it there; a new numbering counts at once."""
-        first, *others = self._ahead
-        return not self._jumps(first) or any(isinstance(message, Request) for message in others)
-
-    def _jumps(self, message: Message) -> bool:
-        """Whether a run that begins with this request falls back in time, not only in number."""
-        return self._newest is not None and message.stamp_ns < self._newest.stamp_ns
-
     def _is_of_next_run(self, message: Measurement | Listing) -> bool:
         """While an old run closes: whether a message is not one that it lacks."""
         if not self._ahead:
@@ -304,10 +283,10 @@ class EpochAssembler:
 
     def _follow(self, now: float) -> None:
         """Begin the next run when the last one is closed."""
-        if not self._ahead or self._open.head is not None or not self._is_confirmed():
+        if not self._ahead or self._open.head is not None or not is_confirmed(self._ahead, self._newest):
             return
         first, *others = self._ahead
-        if self._jumps(first):
+        if falls_back(first, self._newest):
             self.runs += 1
             self._unreported.clear()
             self._before = self.counters.copy()
