@@ -47,7 +47,7 @@ def in_blocks(step: Pass, prior: Belief, about: Belief, z: Floats, root_R: Float
 
 @cache
 def _keep_freed_memory() -> None:
-    """Have the allocator keep arrays that are freed, for those that follow: a third of the time of a large batch.
+    """Have the allocator keep arrays that are freed, for those that follow.
 
     glibc returns what is larger than 128 KiB to the system, which makes each page anew. Whatever larger piece is freed
     moves that limit up to its size; no page of this one is ever touched.
