@@ -1,10 +1,23 @@
 """Numbers that a page quotes."""
 
+import json
 import re
 
 import pytest
 
+from live import ROOT
+
 NUMBER = r'(-?\d+(?:\.\d+)?)'
+
+
+def page(name):
+    """The text of docs/NAME.md."""
+    return (ROOT / 'docs' / f'{name}.md').read_text('utf-8')
+
+
+def results(name):
+    """What is committed as docs/results/NAME.json."""
+    return json.loads((ROOT / 'docs' / 'results' / f'{name}.json').read_text('utf-8'))
 
 
 def told(words, text):

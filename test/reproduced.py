@@ -1,12 +1,11 @@
 """The last full reproduction, and the pages that quote it."""
 
-import json
-
 from live import ROOT
+from quotes import page, results
 
-PAGE = (ROOT / 'docs' / 'reproduction.md').read_text('utf-8')
+PAGE = page('reproduction')
 README = (ROOT / 'README.md').read_text('utf-8')
-KEPT = json.loads((ROOT / 'docs' / 'results' / 'reproduction.json').read_text('utf-8'))
+KEPT = results('reproduction')
 FIGURES = {c['id']: {f['name']: f['value'] for f in c['figures']} for c in KEPT['claims']}
 
 

@@ -1,12 +1,9 @@
 """docs/calibration.md quotes the figures that are committed beside it."""
 
-import json
+from quotes import page, quoted, results, table, texts
 
-from live import ROOT
-from quotes import quoted, table, texts
-
-PAGE = (ROOT / 'docs' / 'calibration.md').read_text('utf-8')
-RADIO = json.loads((ROOT / 'docs' / 'results' / 'real_radio.json').read_text())['studies']
+PAGE = page('calibration')
+RADIO = results('real_radio')['studies']
 STRENGTHS = ('as_configured', 'calibrated_path_loss', 'radio_map')
 SETS = {
     'danis, four tracks': ('danis_central', STRENGTHS),

@@ -1,14 +1,12 @@
 """docs/consensus.md quotes the figures that are committed beside it."""
 
-import json
 from functools import partial
 
-from live import ROOT
-from quotes import quoted, table, texts, told
+from quotes import page, quoted, results, table, texts, told
 
-PAGE = (ROOT / 'docs' / 'consensus.md').read_text('utf-8')
-TABLES = json.loads((ROOT / 'docs' / 'results' / 'consensus.json').read_text())['tables']
-LIVE = json.loads((ROOT / 'docs' / 'results' / 'live.json').read_text())['studies']['consensus']['rows']
+PAGE = page('consensus')
+TABLES = results('consensus')['tables']
+LIVE = results('live')['studies']['consensus']['rows']
 ROWS = {name: {row['name']: row for row in rows} for name, rows in TABLES.items()}
 rows = partial(table, PAGE)
 

@@ -1,15 +1,14 @@
 """docs/human.md, and README.md, quote the figures that are committed beside them."""
 
-import json
 import re
 from functools import partial
 
 from live import ROOT
-from quotes import quoted, table, texts, told
+from quotes import page, quoted, results, table, texts, told
 
-PAGE = (ROOT / 'docs' / 'human.md').read_text('utf-8')
-STUDIES = json.loads((ROOT / 'docs' / 'results' / 'human.json').read_text())['studies']
-RADIO = json.loads((ROOT / 'docs' / 'results' / 'real_radio.json').read_text())['studies']
+PAGE = page('human')
+STUDIES = results('human')['studies']
+RADIO = results('real_radio')['studies']
 DANIS, LEFT_OUT, FLAT = (RADIO[name] for name in ('danis_human', 'danis_human_left_out', 'kolakowski_human'))
 rows = partial(table, PAGE)
 REACHED = {what: texts(cell) for what, cell, _ in rows('what | reached')}

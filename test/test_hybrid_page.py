@@ -1,19 +1,16 @@
 """docs/hybrid.md quotes the figures that are committed beside it."""
 
-import json
 from functools import partial
 
-from live import ROOT
-from quotes import quoted, table, told
+from quotes import page, quoted, results, table, told
 
-PAGE = (ROOT / 'docs' / 'hybrid.md').read_text('utf-8')
+PAGE = page('hybrid')
 STOP, LOST, GATE, FROZEN = (
-    json.loads((ROOT / 'docs' / 'results' / 'hybrid.json').read_text())['studies'][name]
-    for name in ('sudden_stop', 'lost_ranges', 'gate', 'frozen_gain')
+    results('hybrid')['studies'][name] for name in ('sudden_stop', 'lost_ranges', 'gate', 'frozen_gain')
 )
-REAL = json.loads((ROOT / 'docs' / 'results' / 'hybrid_real.json').read_text())['studies']
-FOLLOWER = json.loads((ROOT / 'docs' / 'results' / 'follower.json').read_text())['studies']['phase']['variants']
-LIVE = json.loads((ROOT / 'docs' / 'results' / 'live.json').read_text())['studies']['targets']
+REAL = results('hybrid_real')['studies']
+FOLLOWER = results('follower')['studies']['phase']['variants']
+LIVE = results('live')['studies']['targets']
 rows = partial(table, PAGE)
 
 FORMS = {

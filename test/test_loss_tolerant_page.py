@@ -1,15 +1,13 @@
 """docs/loss_tolerant.md quotes the figures that are committed beside it."""
 
-import json
 import re
 from functools import partial
 
-from live import ROOT
-from quotes import quoted, table, texts
+from quotes import page, quoted, results, table, texts
 
-PAGE = (ROOT / 'docs' / 'loss_tolerant.md').read_text('utf-8')
-STUDIES = json.loads((ROOT / 'docs' / 'results' / 'loss_tolerant.json').read_text())['studies']
-LIAS = json.loads((ROOT / 'docs' / 'results' / 'real_radio.json').read_text())['studies']['lias_lost']
+PAGE = page('loss_tolerant')
+STUDIES = results('loss_tolerant')['studies']
+LIAS = results('real_radio')['studies']['lias_lost']
 rows = partial(table, PAGE)
 
 KINDS = {

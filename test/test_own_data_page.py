@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import yaml
 
-from live import ROOT
+from quotes import page
 from wsn_tracking import graphs
 from wsn_tracking.bags.read import read
 from wsn_tracking.bags.save import save
@@ -18,7 +18,7 @@ from wsn_tracking.models.anchors import make_anchors
 from wsn_tracking.simulation.record import record
 from wsn_tracking.simulation.scenarios import scenario
 
-PAGE = (ROOT / 'docs' / 'own_data.md').read_text('utf-8')
+PAGE = page('own_data')
 YAML, STAND, TABLE = re.findall(r'```(?:yaml|python)\n(.*?)```', PAGE, re.DOTALL)
 RNG = np.random.default_rng(3)
 

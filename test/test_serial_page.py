@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
-import json
 import re
 import struct
 
-from live import ROOT
-from quotes import quoted, table, told
+from quotes import page, quoted, results, table, told
 from wsn_tracking import bridging
 from wsn_tracking.zstack import intake, lines, parser
 from wsn_tracking.zstack.counters import new_counters
 from wsn_tracking.zstack.payload import HEADER, crc16, decode_payload
 from wsn_tracking.zstack.records import FORMATS
 
-PAGE = (ROOT / 'docs' / 'serial.md').read_text('utf-8')
+PAGE = page('serial')
 LETTERS = {'uint8_t': 'B', 'int8_t': 'b', 'uint16_t': 'H', 'int16_t': 'h', 'uint32_t': 'I'}
 RECORDS = {1: 'rssi_record', 3: 'range_record', 4: 'rssi_record', 5: 'feedback_record', 6: 'command_record'}
 
@@ -54,7 +52,7 @@ def test_every_counter_of_the_link_is_explained():
 
 
 def test_figures_are_those_of_the_study():
-    studies = json.loads((ROOT / 'docs' / 'results' / 'serial.json').read_text('utf-8'))['studies']
+    studies = results('serial')['studies']
     run, noise = studies['end_to_end'], studies['noise']
     latency, used = run['byte_to_measurement_ms'], set(run['measurements_used'].values())
     assert (run['faults'], len(used)) == ({}, 1)
@@ -74,7 +72,7 @@ def test_figures_are_those_of_the_study():
 
 
 def test_what_whole_decibels_cost_is_quoted():
-    found = json.loads((ROOT / 'docs' / 'results' / 'whole_db.json').read_text('utf-8'))['studies']['whole_db']
+    found = results('whole_db')['studies']['whole_db']
     rounded = {
         'no': 'exact',
         'behind it (on board)': 'behind',

@@ -1,17 +1,16 @@
 """docs/system_a.md quotes the figures that are committed beside it."""
 
-import json
 import re
 from functools import partial
 
 import pytest
 
 from live import ROOT
-from quotes import numbers, quoted, table
+from quotes import numbers, page, quoted, results, table
 
-PAGE = (ROOT / 'docs' / 'system_a.md').read_text('utf-8')
-A = json.loads((ROOT / 'docs' / 'results' / 'system_a.json').read_text())['studies']
-RADIO = json.loads((ROOT / 'docs' / 'results' / 'real_radio.json').read_text())['studies']
+PAGE = page('system_a')
+A = results('system_a')['studies']
+RADIO = results('real_radio')['studies']
 CENTRAL = {
     'danis_central': {
         'gaussian_ckf': '| cubature filter',
