@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 import time
 from collections import Counter
 from collections.abc import Mapping
@@ -91,12 +92,10 @@ class BagRecorderNode(TrackingNode[RecorderConfig]):
         """Finalise the bag, whatever ended the node."""
         try:
             self._writer.close()
-            told, wrong = self.get_logger().info, self.get_logger().error
-            if not self.context.ok():  # nobody takes log messages of a node that was interrupted
-                told = wrong = print
-            told(f'{self.config.output}: {dict(self._counts)}')
+            # printed, not logged: whether anybody still takes the log of an interrupted node is a matter of chance
+            print(f'{self.config.output}: {dict(self._counts)}')
             for topic, count in self._missing.items():
-                wrong(f'{topic}: {count} of {self._listed[topic]} messages have not come')
+                print(f'{topic}: {count} of {self._listed[topic]} messages have not come', file=sys.stderr)
         finally:
             super().destroy_node()
 
