@@ -18,7 +18,7 @@ from wsn_tracking.simulation.record import record
 from wsn_tracking.simulation.scenarios import scenario
 from wsn_tracking.trackers.estimate import Estimate
 
-TIMEOUT = 30.0  # [s]
+TIMEOUT = 120.0  # [s] far beyond what a start takes on a busy machine
 EPOCHS = 12
 NAN = float('nan')
 

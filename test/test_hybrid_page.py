@@ -89,3 +89,4 @@ def test_what_many_targets_take_is_quoted():
     count, rate, share = told('with @ targets at @ Hz each, in the graph of a replay, takes @ of a core', PAGE)
     assert (int(count), float(rate)) == (LIVE['targets'], LIVE['hertz'])
     quoted((share, LIVE['share_of_a_core']))
+    assert LIVE['share_of_a_core'] < 0.5

@@ -21,7 +21,7 @@ from wsn_tracking.node_parameters.executables import EXECUTABLES
 from wsn_tracking.nodes import qos
 from wsn_tracking.processes import ended, executable
 
-TIMEOUT = 30.0  # [s]
+TIMEOUT = 120.0  # [s] far beyond what a start takes on a busy machine
 STANDALONE = sorted(set(EXECUTABLES) - {'bag_player_node'})  # the player needs a bag
 
 

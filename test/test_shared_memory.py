@@ -14,7 +14,7 @@ import live
 from wsn_tracking.nodes.shared_memory import FOLDER, remove_unfinished
 from wsn_tracking.processes import executable
 
-TIMEOUT = 30.0  # [s]
+TIMEOUT = 120.0  # [s] far beyond what a start takes on a busy machine
 AGE = 60.0  # [s]
 
 
