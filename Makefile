@@ -16,10 +16,10 @@ build:
 	./env
 
 study:
-	./env python -m wsn_tracking.evaluation.study -o docs/results
-	./env python -m wsn_tracking.evaluation.consensus_study -o docs/results
-	./env python -m wsn_tracking.live_study -o docs/results
-	./env python -m wsn_tracking.serial_study -o docs/results
+	./env python -m wsn_tracking.studies -o docs/results
+	./env python -m wsn_tracking.studies.consensus -o docs/results
+	./env python -m wsn_tracking.studies.live -o docs/results
+	./env python -m wsn_tracking.studies.serial -o docs/results
 
 # make reproduce ARGS=--quick takes a quarter of the time. The report is reproduction/reproduction.html.
 reproduce:

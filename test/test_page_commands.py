@@ -11,19 +11,19 @@ import pytest
 from live import ROOT
 from wsn_tracking.cli import _parser
 from wsn_tracking.configuration import parse_setting
-from wsn_tracking.evaluation import study
-from wsn_tracking.live_study import STUDIES as LIVE
-from wsn_tracking.real_radio.__main__ import TABLES
 from wsn_tracking.simulation.scenarios import SCENARIOS
+from wsn_tracking.studies.__main__ import STUDIES
+from wsn_tracking.studies.live import STUDIES as LIVE
+from wsn_tracking.studies.real_radio.__main__ import TABLES
 
 PAGES = ['README.md', 'bags/README.md', *(f'docs/{path.name}' for path in sorted((ROOT / 'docs').glob('*.md')))]
 TEXTS = {name: (ROOT / name).read_text('utf-8') for name in PAGES}
 TRACKING = ('evaluate', 'replay', 'plot')
 GENERAL = {'COMMAND', 'KIND', '[--bursts'}  # in words that tell how a command is called
 NAMES = {
-    'wsn_tracking.evaluation.study': {name for table in study.STUDIES.values() for name in table},
-    'wsn_tracking.real_radio': set(TABLES),
-    'wsn_tracking.live_study': set(LIVE),
+    'wsn_tracking.studies': {name for table in STUDIES.values() for name in table},
+    'wsn_tracking.studies.real_radio': set(TABLES),
+    'wsn_tracking.studies.live': set(LIVE),
 }
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import live
 from radio import LIVE
-from wsn_tracking import serial_study
+from wsn_tracking.studies import serial
 from wsn_tracking.zstack.parser import MAX_HELD
 
 EPOCHS = 20
@@ -15,7 +15,7 @@ def test_what_the_nodes_say_reaches_every_estimator(monkeypatch):
     with live.private_domain() as environment:
         for name in ('ROS_DOMAIN_ID', 'ROS_AUTOMATIC_DISCOVERY_RANGE'):
             monkeypatch.setenv(name, environment[name])
-        told = serial_study.end_to_end(EPOCHS / serial_study.HERTZ, LIVE)
+        told = serial.end_to_end(EPOCHS / serial.HERTZ, LIVE)
     everything = 12 * EPOCHS
     assert (told['said'], told['arrived'], told['lost'], told['faults']) == (everything, everything, 0, {})
     outputs = [f'{kind}_{i}' for kind in ('fused', 'local') for i in (1, 2, 3)]
@@ -25,6 +25,6 @@ def test_what_the_nodes_say_reaches_every_estimator(monkeypatch):
 
 
 def test_noise_of_the_study_holds_little_and_never_raises():
-    told = serial_study.noise(100_000)
+    told = serial.noise(100_000)
     assert told['bytes'] == 100_000
     assert told['most_held_bytes'] <= MAX_HELD

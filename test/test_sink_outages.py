@@ -19,9 +19,9 @@ from wsn_tracking.bags.save import save
 from wsn_tracking.nodes import convert, qos
 from wsn_tracking.offline import offline
 from wsn_tracking.sensing.values import EpochEnd, Request, Rssi
-from wsn_tracking.serial_study import watched
 from wsn_tracking.simulation.record import record
 from wsn_tracking.simulation.scenarios import scenario
+from wsn_tracking.studies.serial import watched
 from wsn_tracking.zstack.faults import Event, Happening
 
 PART = 10  # epochs between two outages

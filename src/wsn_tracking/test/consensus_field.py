@@ -3,8 +3,8 @@
 import numpy as np
 from consensus_cases import epoch_of, network_of
 
-from wsn_tracking.evaluation.consensus_runs import sample
 from wsn_tracking.simulation.b_field import FieldConfig
+from wsn_tracking.studies.consensus_runs import sample
 from wsn_tracking.trackers.consensus_config import ConsensusConfig, LinkConfig
 
 SMALL = FieldConfig(nodes=14, width=190.0, depth=210.0, epochs=12)

@@ -5,9 +5,9 @@ import math
 import numpy as np
 from oracles import LOOP, H
 
-from wsn_tracking.evaluation.monte_carlo import repeated, sense
 from wsn_tracking.sensing import trigger
 from wsn_tracking.sensing.values import Epoch, Modality, Range
+from wsn_tracking.studies.random_q_runs import repeated, sense
 from wsn_tracking.trackers.estimate import Estimate
 from wsn_tracking.trackers.random_q import LocalEstimator
 from wsn_tracking.trackers.random_q_config import RandomQConfig, StartConfig

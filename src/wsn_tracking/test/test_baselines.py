@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from wsn_tracking.evaluation.baselines import Fix, Nearest
 from wsn_tracking.models.anchors import make_anchors
 from wsn_tracking.models.radio import rssi_at
+from wsn_tracking.reproduction.cross_baselines import Fix, Nearest
 from wsn_tracking.sensing.values import Epoch, Modality, Range, Rssi
 
 PLACES = np.array([[0.0, 0.0], [4.0, 0.0], [0.0, 4.0], [4.0, 4.0]])

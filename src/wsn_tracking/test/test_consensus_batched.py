@@ -5,8 +5,8 @@ import pytest
 from consensus_cases import R, epoch_of, network_of
 from consensus_field import FAULTS, POSITIONS, SCHEMES, SMALL, Z
 
-from wsn_tracking.evaluation.consensus_runs import sample
 from wsn_tracking.simulation.b_field import FieldConfig
+from wsn_tracking.studies.consensus_runs import sample
 from wsn_tracking.trackers.consensus import Network
 from wsn_tracking.trackers.consensus_config import ConsensusConfig, LinkConfig
 from wsn_tracking.trackers.consensus_network import run_epoch

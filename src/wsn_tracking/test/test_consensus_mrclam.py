@@ -8,8 +8,8 @@ import pytest
 from consensus_cases import SECOND, R, network_of
 from import_cases import real_data
 
-from wsn_tracking.real_radio import mrclam
 from wsn_tracking.sensing.values import Epoch, Range
+from wsn_tracking.studies.real_radio import mrclam
 from wsn_tracking.trackers.consensus import Network
 from wsn_tracking.trackers.consensus_config import ArrivalConfig, ConsensusConfig, ObservationConfig, PriorConfig
 from wsn_tracking.trackers.consensus_network import run_epoch

@@ -6,17 +6,17 @@ import numpy as np
 import pytest
 from consensus_cases import dense_centralised
 
-from wsn_tracking.evaluation import consensus_runs as runs_of
-from wsn_tracking.evaluation.consensus_raw import track_raw
-from wsn_tracking.evaluation.consensus_runs import mean_nees, mode_accuracy, rmse, sample, some, traffic
-from wsn_tracking.evaluation.study_consensus_faults import at
-from wsn_tracking.evaluation.study_consensus_schemes import chebyshev_at_its_guard
 from wsn_tracking.filters.belief import Belief
 from wsn_tracking.fusion import consensus
 from wsn_tracking.fusion.weights import contraction, metropolis
 from wsn_tracking.models.graph import adjacency, component_sizes, degrees, diameter, is_connected
 from wsn_tracking.simulation import b_field
 from wsn_tracking.simulation.b_field import FieldConfig
+from wsn_tracking.studies import consensus_runs as runs_of
+from wsn_tracking.studies.consensus_faults import at
+from wsn_tracking.studies.consensus_raw import track_raw
+from wsn_tracking.studies.consensus_runs import mean_nees, mode_accuracy, rmse, sample, some, traffic
+from wsn_tracking.studies.consensus_schemes import chebyshev_at_its_guard
 from wsn_tracking.trackers import consensus as tracker
 from wsn_tracking.trackers.consensus import Network
 from wsn_tracking.trackers.consensus_config import (

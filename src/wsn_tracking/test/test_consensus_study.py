@@ -6,12 +6,12 @@ import numpy as np
 
 from wsn_tracking.benchmarks import consensus as benchmark_consensus
 from wsn_tracking.benchmarks.rows import Sizes
-from wsn_tracking.evaluation import consensus_study, study_consensus_scaling
+from wsn_tracking.studies import consensus, consensus_scaling
 
 
 def test_the_study_writes_every_table(tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr(study_consensus_scaling, 'SIZES', (10, 25))
-    assert consensus_study.main(['-o', str(tmp_path), '--runs', '1']) == 0
+    monkeypatch.setattr(consensus_scaling, 'SIZES', (10, 25))
+    assert consensus.main(['-o', str(tmp_path), '--runs', '1']) == 0
     content = json.loads((tmp_path / 'consensus.json').read_text())
     assert list(content['tables']) == ['schemes', 'ten_bytes', 'faults', 'links', 'scaling']
     rows = {row['name']: row for row in content['tables']['schemes']}
@@ -26,9 +26,9 @@ def test_the_study_writes_every_table(tmp_path, capsys, monkeypatch):
 
 
 def test_a_study_that_cannot_be_written_says_so_in_one_line(tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr(consensus_study, 'study', lambda runs: {'schemes': []})
+    monkeypatch.setattr(consensus, 'study', lambda runs: {'schemes': []})
     (tmp_path / 'file').write_text('')
-    assert consensus_study.main(['-o', str(tmp_path / 'file' / 'below')]) == 1
+    assert consensus.main(['-o', str(tmp_path / 'file' / 'below')]) == 1
     assert capsys.readouterr().err.count('\n') == 1
 
 

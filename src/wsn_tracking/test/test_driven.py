@@ -9,8 +9,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 from oracles import properties
 
-from wsn_tracking.evaluation import plot_phase, study_phase
-from wsn_tracking.evaluation.phase_runs import PhaseConfig, run
 from wsn_tracking.simulation import d_cells
 from wsn_tracking.simulation.d_cells import CellsConfig
 from wsn_tracking.simulation.driven import (
@@ -22,6 +20,8 @@ from wsn_tracking.simulation.driven import (
     phase_error,
     wheels,
 )
+from wsn_tracking.studies import phase, phase_plot
+from wsn_tracking.studies.phase_runs import PhaseConfig, run
 
 FOLLOW = FollowConfig()
 RIGHT = 0.5 * np.pi
@@ -165,10 +165,10 @@ def test_a_run_depends_on_its_seed_alone():
 
 
 def test_the_study_is_plain_json_and_the_picture_is_drawn(tmp_path, capsys):
-    found = study_phase.phase(runs=1, lasts=2.0, settled=1.0)
+    found = phase.phase(runs=1, lasts=2.0, settled=1.0)
     assert found == json.loads(json.dumps(found, allow_nan=False))
-    assert {*found['variants']} == {*study_phase.variants()}
-    assert plot_phase.main(['-o', str(tmp_path / 'phase.png'), '--lasts', '2']) == 0
+    assert {*found['variants']} == {*phase.variants()}
+    assert phase_plot.main(['-o', str(tmp_path / 'phase.png'), '--lasts', '2']) == 0
     assert (tmp_path / 'phase.png').read_bytes()[:4] == b'\x89PNG'
-    assert plot_phase.main(['-o', str(tmp_path / 'other.png'), '--lasts', '0.1', '--seed', '2']) == 0
+    assert phase_plot.main(['-o', str(tmp_path / 'other.png'), '--lasts', '0.1', '--seed', '2']) == 0
     assert len(capsys.readouterr().out.split()) == 2

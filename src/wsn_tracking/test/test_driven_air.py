@@ -9,12 +9,12 @@ from wsn_tracking.bags.messages import TruthPose
 from wsn_tracking.bags.write import BagWriter
 from wsn_tracking.driven_air import DrivenAir, DrivenConfig
 from wsn_tracking.errors import TrackingError
-from wsn_tracking.evaluation.phase_recorded import phase_run
 from wsn_tracking.models.anchors import make_anchors
 from wsn_tracking.sensing.values import EpochEnd, Request
 from wsn_tracking.simulation import d_cells
 from wsn_tracking.simulation.d_cells import CellsConfig
 from wsn_tracking.simulation.driven import FIRST, SECOND, FollowConfig, phase_error
+from wsn_tracking.studies.phase_recorded import phase_run
 from wsn_tracking.trackers.estimate import PLANAR_STATES, Estimate, Kind
 from wsn_tracking.zstack.downlink import Told
 from wsn_tracking.zstack.records import FeedbackRecord, SensingRecord

@@ -7,8 +7,8 @@ import json
 import pytest
 from import_cases import real_data
 
-from wsn_tracking.real_radio import hybrid
-from wsn_tracking.real_radio.sets import Sets
+from wsn_tracking.studies.real_radio import hybrid
+from wsn_tracking.studies.real_radio.sets import Sets
 
 
 def test_the_labyrinth_is_tracked_once_its_radios_are_calibrated(tmp_path):

@@ -9,10 +9,10 @@ import pytest
 from import_cases import real_data
 
 from wsn_tracking.models.links import Loss
-from wsn_tracking.real_radio import lost
-from wsn_tracking.real_radio.sets import Bags, Sets
 from wsn_tracking.simulation.e_loss import LossConfig, e_loss
 from wsn_tracking.simulation.record import record
+from wsn_tracking.studies.real_radio import lost
+from wsn_tracking.studies.real_radio.sets import Bags, Sets
 
 
 @pytest.fixture(scope='module')

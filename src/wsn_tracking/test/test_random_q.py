@@ -9,10 +9,10 @@ from oracles import LOOP, H, dense_ckf, dense_predict
 from random_q_cases import GIVEN, MEAN, STD, epoch, epochs, run
 
 from wsn_tracking.bags.estimates import differences
-from wsn_tracking.evaluation.monte_carlo import repeated, sense, start_near, track
 from wsn_tracking.filters.belief import Belief
 from wsn_tracking.models.motion import constant_velocity
 from wsn_tracking.sensing import trigger
+from wsn_tracking.studies.random_q_runs import repeated, sense, start_near, track
 from wsn_tracking.trackers.estimate import Kind
 from wsn_tracking.trackers.random_q import LocalEstimator, keep_inside
 from wsn_tracking.trackers.random_q_config import NoiseConfig, RandomQConfig, StartConfig, UpdateConfig

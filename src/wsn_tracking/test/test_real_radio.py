@@ -14,12 +14,12 @@ from kolakowski_cases import robot
 
 from wsn_tracking.configuration import load_configuration
 from wsn_tracking.errors import TrackingError
-from wsn_tracking.evaluation import study
-from wsn_tracking.real_radio import __main__ as command
-from wsn_tracking.real_radio import found_again as again
-from wsn_tracking.real_radio import left_out as leaving
-from wsn_tracking.real_radio import tables
-from wsn_tracking.real_radio.sets import SETS, Sets, find
+from wsn_tracking.studies import __main__ as studies
+from wsn_tracking.studies.real_radio import __main__ as command
+from wsn_tracking.studies.real_radio import found_again as again
+from wsn_tracking.studies.real_radio import left_out as leaving
+from wsn_tracking.studies.real_radio import tables
+from wsn_tracking.studies.real_radio.sets import SETS, Sets, find
 
 BEACONS = np.array([[0.0, -30.0, 25.0], [1.0, -60.0, 20.0], [5.0, 2.0, -6.0], [6.0, -30.0, 70.0]])
 
@@ -133,7 +133,7 @@ def test_the_command_writes_the_tables_that_are_wanted(data, tmp_path, capsys):
     assert command.main([str(data), 'plaza2', '-o', str(tmp_path)]) == 0
     assert capsys.readouterr().out.strip() == str(tmp_path / 'real_radio.json')
     told = json.loads((tmp_path / 'real_radio.json').read_text())
-    assert told['command'] == command.COMMAND != study.COMMAND
+    assert told['command'] == command.COMMAND != studies.COMMAND
     assert set(told['studies']) == {'plaza2'}
     assert told['studies']['plaza2']['what'].endswith('which are not scored.')
     assert str(data) not in json.dumps(told)

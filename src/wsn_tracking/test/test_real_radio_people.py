@@ -10,10 +10,10 @@ from kolakowski_cases import robot
 from wsn_tracking.configuration import load_configuration
 from wsn_tracking.graphs.parts import Source
 from wsn_tracking.graphs.plans import configuration_of
-from wsn_tracking.real_radio import people
-from wsn_tracking.real_radio.__main__ import TABLES
-from wsn_tracking.real_radio.sets import SETS, Sets, find
 from wsn_tracking.sensing.floor_plan import read_floor_plan
+from wsn_tracking.studies.real_radio import people
+from wsn_tracking.studies.real_radio.__main__ import TABLES
+from wsn_tracking.studies.real_radio.sets import SETS, Sets, find
 
 
 class OneFlat(Sets):

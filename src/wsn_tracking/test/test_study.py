@@ -6,19 +6,14 @@ import numpy as np
 import pytest
 
 from wsn_tracking.errors import TrackingError
-from wsn_tracking.evaluation import monte_carlo as mc
-from wsn_tracking.evaluation import (
-    study,
-    study_loss,
-    study_process_noise,
-    study_random_q,
-    study_triggers,
-    study_whole_db,
-)
-from wsn_tracking.evaluation.intervals import change_of, mean_of, ratio_of
 from wsn_tracking.models.radio import rssi_at
 from wsn_tracking.sensing import trigger
 from wsn_tracking.simulation.scenarios import scenario
+from wsn_tracking.studies import __main__ as studies
+from wsn_tracking.studies import loss, random_q, random_q_noise, random_q_triggers, random_q_whole_db
+from wsn_tracking.studies import random_q_runs as runs_of
+from wsn_tracking.studies.intervals import change_of, mean_of, ratio_of
+from wsn_tracking.studies.results import make
 
 
 def test_intervals_hold_the_truth_as_often_as_they_say():
@@ -46,14 +41,14 @@ def test_what_two_quantities_have_in_common_cancels():
 
 def test_every_study_of_system_a_runs_and_is_plain_json():
     results = {
-        'trigger_rate': study_random_q.trigger_rate(runs=3),
-        'update_forms': study_random_q.update_forms(runs=3),
-        'matched_model': study_random_q.matched_model(runs=6, epochs=4, reference_runs=3, particles=50),
-        'process_noise': study_process_noise.process_noise(runs=3),
-        'fusion_rules': study_process_noise.fusion_rules(runs=3, sought_runs=2),
-        'data_rate': study_triggers.data_rate(runs=4, paths=2),
+        'trigger_rate': random_q.trigger_rate(runs=3),
+        'update_forms': random_q.update_forms(runs=3),
+        'matched_model': random_q.matched_model(runs=6, epochs=4, reference_runs=3, particles=50),
+        'process_noise': random_q_noise.process_noise(runs=3),
+        'fusion_rules': random_q_noise.fusion_rules(runs=3, sought_runs=2),
+        'data_rate': random_q_triggers.data_rate(runs=4, paths=2),
     }
-    assert set(results) == set(study.STUDIES['system_a'])
+    assert set(results) == set(studies.STUDIES['system_a'])
     text = json.dumps(results, allow_nan=False)
     assert results == json.loads(text)
     low, high = results['trigger_rate']['sent_of_in_radius']['alpha_0.3']['interval_95']
@@ -62,15 +57,15 @@ def test_every_study_of_system_a_runs_and_is_plain_json():
 
 def test_every_study_of_system_e_runs_and_is_plain_json():
     results = {
-        'loss_rate': study_loss.loss_rate(runs=3, rates=(0.5,)),
-        'loss_kind': study_loss.loss_kind(runs=3, rates=(0.5,)),
+        'loss_rate': loss.loss_rate(runs=3, rates=(0.5,)),
+        'loss_kind': loss.loss_kind(runs=3, rates=(0.5,)),
     }
-    assert set(results) == set(study.STUDIES['loss_tolerant'])
+    assert set(results) == set(studies.STUDIES['loss_tolerant'])
     assert results == json.loads(json.dumps(results, allow_nan=False))
 
 
 def test_whole_db_is_plain_json_and_the_trigger_sees_only_what_is_rounded_before_it():
-    told = study_whole_db.whole_db(runs=4, paths=2)
+    told = random_q_whole_db.whole_db(runs=4, paths=2)
     assert told == json.loads(json.dumps(told, allow_nan=False))
     event = told['a_loop']['event']
     assert event['behind']['sent_a_run'] == event['exact']['sent_a_run']
@@ -80,8 +75,8 @@ def test_whole_db_is_plain_json_and_the_trigger_sees_only_what_is_rounded_before
 
 def test_whole_db_moves_a_signal_by_at_most_half_a_db():
     s = scenario('a_loop')
-    sensed = mc.sense(s, mc.repeated(s, 2), trigger.near(-46.9), np.random.default_rng(1))
-    rounded = study_whole_db.told_in_whole_db(s, sensed)
+    sensed = runs_of.sense(s, runs_of.repeated(s, 2), trigger.near(-46.9), np.random.default_rng(1))
+    rounded = random_q_whole_db.told_in_whole_db(s, sensed)
     before, after = rssi_at(s.anchors, sensed.z), rssi_at(s.anchors, rounded.z)
     np.testing.assert_array_equal(np.isnan(before), np.isnan(after))
     assert 0.4 < np.nanmax(np.abs(after - before)) <= 0.5 + 1e-9
@@ -109,8 +104,9 @@ def table():
 
 
 def test_every_table_is_a_file_with_sorted_keys(tmp_path, table):
-    assert study.run(tmp_path / 'new', (), table) == [tmp_path / 'new' / 'first.json', tmp_path / 'new' / 'second.json']
-    text = (tmp_path / 'new' / 'first.json').read_text()
+    new = tmp_path / 'new'
+    assert make(new, (), table, command='test') == [new / 'first.json', new / 'second.json']
+    text = (new / 'first.json').read_text()
     assert text.index('"a"') < text.index('"b"') < text.index('"value"')
     told = json.loads(text)
     assert told['studies']['counted'] == {'what': 'One line that says what.', 'value': 1, 'a': 2, 'b': 1}
@@ -118,26 +114,26 @@ def test_every_table_is_a_file_with_sorted_keys(tmp_path, table):
 
 
 def test_a_study_alone_leaves_the_others_figures(tmp_path, table):
-    study.run(tmp_path, (), table)
+    make(tmp_path, (), table, command='test')
     before = (tmp_path / 'second.json').read_bytes()
-    assert study.run(tmp_path, ['other'], table) == [tmp_path / 'first.json']
+    assert make(tmp_path, ['other'], table, command='test') == [tmp_path / 'first.json']
     assert json.loads((tmp_path / 'first.json').read_text())['studies']['counted']['value'] == 1
     assert (tmp_path / 'second.json').read_bytes() == before
-    study.run(tmp_path, ['counted'], {'first': {'counted': counted}})
+    make(tmp_path, ['counted'], {'first': {'counted': counted}}, command='test')
     assert set(json.loads((tmp_path / 'first.json').read_text())['studies']) == {'counted'}  # `other` is no more
 
 
 def test_what_cannot_be_run_or_kept_is_refused_in_one_line(tmp_path, table, capsys):
     with pytest.raises(TrackingError, match='there is no study `tird`: expected some of counted, other, third'):
-        study.run(tmp_path, ['tird'], table)
+        make(tmp_path, ['tird'], table, command='test')
     (tmp_path / 'first.json').write_text('[]')
     with pytest.raises(TrackingError, match='holds no figures of a study'):
-        study.run(tmp_path, (), table)
-    assert study.main(['-o', str(tmp_path), 'nonsense']) == 1
-    assert capsys.readouterr().err.startswith('study: there is no study `nonsense`')
+        make(tmp_path, (), table, command='test')
+    assert studies.main(['-o', str(tmp_path), 'nonsense']) == 1
+    assert capsys.readouterr().err.startswith('studies: there is no study `nonsense`')
 
 
 def test_the_command_prints_what_it_wrote(tmp_path, table, monkeypatch, capsys):
-    monkeypatch.setattr(study.run, '__defaults__', ((), table))
-    assert study.main(['-o', str(tmp_path)]) == 0
+    monkeypatch.setattr(studies, 'STUDIES', table)
+    assert studies.main(['-o', str(tmp_path)]) == 0
     assert capsys.readouterr().out.split() == [str(tmp_path / 'first.json'), str(tmp_path / 'second.json')]

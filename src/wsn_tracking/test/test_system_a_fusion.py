@@ -7,13 +7,13 @@ at the number of runs here; the bounds are the design's.
 import numpy as np
 import pytest
 
-from wsn_tracking.evaluation import monte_carlo as mc
-from wsn_tracking.evaluation import study_process_noise as noise
-from wsn_tracking.evaluation import study_triggers as triggers
-from wsn_tracking.evaluation.intervals import change_of
 from wsn_tracking.filters.belief import Belief
 from wsn_tracking.fusion.covariance_intersection import lci, spread
 from wsn_tracking.sensing import trigger
+from wsn_tracking.studies import random_q_noise as noise
+from wsn_tracking.studies import random_q_runs as runs_of
+from wsn_tracking.studies import random_q_triggers as triggers
+from wsn_tracking.studies.intervals import change_of
 
 RUNS = 120
 FORMS = ['measured', 'predicted']  # R of the document, and the default
@@ -92,7 +92,7 @@ def test_near_sends_as_much_as_event(name, paths):
     s, states = triggers.world(name, 400, paths)
     sent = {}
     for kind in ('event', 'near'):
-        sensed = mc.sense(s, states, triggers.triggers_of(s, 0.0)[kind], np.random.default_rng(3))
+        sensed = runs_of.sense(s, states, triggers.triggers_of(s, 0.0)[kind], np.random.default_rng(3))
         sent[kind] = np.sum(sensed.verdicts == trigger.SENT)
     assert sent['near'] / sent['event'] == pytest.approx(1.0, abs=0.03)
 
@@ -110,18 +110,18 @@ def test_near_with_iplf_is_far_better_than_the_documents_system(name, ratio):
 def test_fusion_of_a_batch_is_that_of_its_runs_one_by_one():
     rng = np.random.default_rng(6)
     root = 0.1 * rng.standard_normal((3, 3, 5, 4, 4)) + 0.2 * np.eye(4)
-    tracks = mc.Tracks(rng.standard_normal((3, 3, 5, 4)), root @ np.swapaxes(root, -1, -2))
-    fused = mc.fuse(tracks, 'lci')
+    tracks = runs_of.Tracks(rng.standard_normal((3, 3, 5, 4)), root @ np.swapaxes(root, -1, -2))
+    fused = runs_of.fuse(tracks, 'lci')
     assert fused.m.shape == (3, 1, 5, 4)
     assert np.all(np.isnan(fused.P))
-    P = np.broadcast_to(np.diag(np.square(mc.START_STD)), (3, 4, 4))
+    P = np.broadcast_to(np.diag(np.square(runs_of.START_STD)), (3, 4, 4))
     for k in range(5):
         P = spread(P, tracks.m[1, :, k])
         np.testing.assert_allclose(fused.m[1, 0, k], lci(tracks.m[1, :, k], P).m, rtol=1e-12)
     for rule in ('trace', 'mean', 'optimal'):
-        one = mc.fuse(mc.Tracks(tracks.m[1:2], tracks.P[1:2]), rule)
-        np.testing.assert_allclose(mc.fuse(tracks, rule).m[1], one.m[0], rtol=1e-9)
-    np.testing.assert_allclose(mc.fuse(tracks, 'mean').m[:, 0], tracks.m.mean(axis=1))
+        one = runs_of.fuse(runs_of.Tracks(tracks.m[1:2], tracks.P[1:2]), rule)
+        np.testing.assert_allclose(runs_of.fuse(tracks, rule).m[1], one.m[0], rtol=1e-9)
+    np.testing.assert_allclose(runs_of.fuse(tracks, 'mean').m[:, 0], tracks.m.mean(axis=1))
 
 
 def test_estimators_that_share_a_draw_are_one(circle):
@@ -130,8 +130,8 @@ def test_estimators_that_share_a_draw_are_one(circle):
     start = Belief(circle.start.m[some], circle.start.chol_P[some])
     config = noise.identity_noise(2.0, 12.0)
     uniform = circle.uniform[some, :1]
-    three = mc.track(circle.scenario, sensed, start, config, np.repeat(uniform, 3, axis=1))
-    one = mc.track(circle.scenario, sensed, start, config, uniform)
+    three = runs_of.track(circle.scenario, sensed, start, config, np.repeat(uniform, 3, axis=1))
+    one = runs_of.track(circle.scenario, sensed, start, config, uniform)
     np.testing.assert_allclose(three.m, np.repeat(one.m, 3, axis=1), rtol=1e-12, atol=1e-12)
-    other = mc.track(circle.scenario, sensed, start, config, circle.uniform[some])
+    other = runs_of.track(circle.scenario, sensed, start, config, circle.uniform[some])
     assert np.ptp(other.m[:, :, -1], axis=1).max() > 1e-4

@@ -10,15 +10,15 @@ import numpy as np
 import pytest
 from oracles import LOOP, NOISE, H, kalman
 
-from wsn_tracking.evaluation import monte_carlo as mc
 from wsn_tracking.evaluation.metrics import ei
-from wsn_tracking.evaluation.reference import posterior_means
 from wsn_tracking.filters.belief import Belief
 from wsn_tracking.models.measurement import constant_noise
 from wsn_tracking.models.motion import constant_velocity
 from wsn_tracking.models.noise import white_acceleration
 from wsn_tracking.models.radio import relative_range_std
 from wsn_tracking.sensing import trigger
+from wsn_tracking.studies import random_q_runs as runs_of
+from wsn_tracking.studies.reference import posterior_means
 from wsn_tracking.trackers.random_q_config import NoiseConfig, RandomQConfig, UpdateConfig
 
 SEVEN = RandomQConfig(noise=NoiseConfig(q_min=7.0, q_max=7.0))
@@ -26,7 +26,7 @@ SEVEN = RandomQConfig(noise=NoiseConfig(q_min=7.0, q_max=7.0))
 
 def sensed_on_the_loop(runs, alpha, generator):
     step = trigger.event(trigger.EventThresholds(alpha=alpha))
-    return mc.sense(LOOP, mc.repeated(LOOP, runs), step, generator)
+    return runs_of.sense(LOOP, runs_of.repeated(LOOP, runs), step, generator)
 
 
 # --- Shows (2): how much the event trigger saves
@@ -36,7 +36,7 @@ def sensed_on_the_loop(runs, alpha, generator):
 def test_event_trigger_sends_its_share_of_what_is_in_radius(alpha, share):
     """100 runs: the standard error is 0.0016, a twentieth of the margin."""
     sensed = sensed_on_the_loop(100, alpha, np.random.default_rng(1))
-    assert np.sum(sensed.verdicts == trigger.SENT) / np.sum(mc.in_radius(sensed)) == pytest.approx(share, abs=0.03)
+    assert np.sum(sensed.verdicts == trigger.SENT) / np.sum(runs_of.in_radius(sensed)) == pytest.approx(share, abs=0.03)
 
 
 def test_the_documents_saving_lies_within_the_trigger_of_its_default():
@@ -44,7 +44,7 @@ def test_the_documents_saving_lies_within_the_trigger_of_its_default():
     shares = []
     for alpha in (0.25, 0.27, 0.30):
         sensed = sensed_on_the_loop(100, alpha, np.random.default_rng(2))
-        shares.append(np.sum(sensed.verdicts == trigger.SENT) / np.sum(mc.in_radius(sensed)))
+        shares.append(np.sum(sensed.verdicts == trigger.SENT) / np.sum(runs_of.in_radius(sensed)))
     assert all(0.40 < share < 0.47 for share in shares)
     assert shares[0] > 0.4346 > shares[2]
 
@@ -67,16 +67,17 @@ def error_indicators():
     """EI (100 runs) of the update forms over the same noise and the same starts."""
     generator = np.random.default_rng(1)
     sensed = sensed_on_the_loop(100, LOOP.alpha, generator)
-    start = mc.start_near(sensed.states, generator)
+    start = runs_of.start_near(sensed.states, generator)
     forms = {
         'measured': UpdateConfig(r='measured'),
         'predicted': UpdateConfig(),
         'iplf': UpdateConfig(kind='iplf'),
         'log': UpdateConfig(kind='log'),
     }
+    configs = {name: dataclasses.replace(SEVEN, update=update) for name, update in forms.items()}
     return {
-        name: ei(mc.errors(mc.track(LOOP, sensed, start, dataclasses.replace(SEVEN, update=update)), sensed)).mean()
-        for name, update in forms.items()
+        name: ei(runs_of.errors(runs_of.track(LOOP, sensed, start, config), sensed)).mean()
+        for name, config in configs.items()
     }
 
 
@@ -99,10 +100,10 @@ DENSITIES = [0.25e-4, 2e-4, 8e-4]  # [m^2/s^3]
 
 def matched(density, runs, seed):
     generator = np.random.default_rng(seed)
-    walks = mc.walks_inside(LOOP, density, 20, runs, generator)
-    sensed = mc.sense(LOOP, walks, trigger.always(), generator)
+    walks = runs_of.walks_inside(LOOP, density, 20, runs, generator)
+    sensed = runs_of.sense(LOOP, walks, trigger.always(), generator)
     noise = NoiseConfig(kind='acceleration', q_min=7.0, q_max=7.0, spectral_density=density)
-    return sensed, mc.start_near(walks, generator), RandomQConfig(noise=noise), generator
+    return sensed, runs_of.start_near(walks, generator), RandomQConfig(noise=noise), generator
 
 
 @pytest.mark.parametrize('density', DENSITIES)
@@ -115,8 +116,8 @@ def test_a_matched_filter_knows_its_own_error(density):
     sensed, start, config, _ = matched(density, 400, 2)
 
     def usual(r):
-        tracks = mc.track(LOOP, sensed, start, dataclasses.replace(config, update=UpdateConfig(r=r)))
-        return np.sort(mc.position_nees(tracks, sensed).mean(axis=(1, 2)))[:-4].mean()
+        tracks = runs_of.track(LOOP, sensed, start, dataclasses.replace(config, update=UpdateConfig(r=r)))
+        return np.sort(runs_of.position_nees(tracks, sensed).mean(axis=(1, 2)))[:-4].mean()
 
     assert 1.8 < usual('predicted') < 2.3
     assert usual('measured') > 2.3  # the noise of ranges that came out too short is told too small
@@ -129,8 +130,8 @@ def test_iplf_is_within_a_twentieth_of_2000_particles(density):
     F, chol_Q = constant_velocity(1.0), white_acceleration(density, 1.0)
     means = posterior_means(start, F, chol_Q, sensed.z, H, NOISE, 2000, generator)
     best = np.sqrt(np.mean(np.sum((means - sensed.states)[..., :2] ** 2, axis=-1)))
-    tracks = mc.track(LOOP, sensed, start, dataclasses.replace(config, update=UpdateConfig(kind='iplf')))
-    assert np.sqrt(np.mean(np.sum(mc.errors(tracks, sensed) ** 2, axis=-1))) <= 1.05 * best
+    tracks = runs_of.track(LOOP, sensed, start, dataclasses.replace(config, update=UpdateConfig(kind='iplf')))
+    assert np.sqrt(np.mean(np.sum(runs_of.errors(tracks, sensed) ** 2, axis=-1))) <= 1.05 * best
 
 
 def test_the_particle_reference_is_the_kalman_filter_where_that_is_exact():
@@ -163,7 +164,7 @@ def test_the_particle_reference_is_the_kalman_filter_where_that_is_exact():
 
 
 def test_walks_stay_inside_and_have_the_models_scatter():
-    walks = mc.walks_inside(LOOP, 2e-4, 12, 500, np.random.default_rng(7))
+    walks = runs_of.walks_inside(LOOP, 2e-4, 12, 500, np.random.default_rng(7))
     assert walks.shape == (500, 12, 4)
     x_min, y_min, x_max, y_max = LOOP.area
     assert walks[..., 0].min() >= x_min
@@ -177,14 +178,14 @@ def test_walks_stay_inside_and_have_the_models_scatter():
 
 
 def test_starts_scatter_about_the_truth_as_they_say():
-    start = mc.start_near(mc.repeated(LOOP, 4000), np.random.default_rng(8))
+    start = runs_of.start_near(runs_of.repeated(LOOP, 4000), np.random.default_rng(8))
     scatter = np.cov((start.m - LOOP.truth[0]).T)
     np.testing.assert_allclose(scatter, start.P[0], atol=6e-4)
-    np.testing.assert_allclose(np.sqrt(np.diag(start.P[0])), mc.START_STD)
+    np.testing.assert_allclose(np.sqrt(np.diag(start.P[0])), runs_of.START_STD)
 
 
 def test_the_noise_that_is_simulated_is_the_noise_that_is_assumed():
-    sensed = mc.sense(LOOP, mc.repeated(LOOP, 50), trigger.always(), np.random.default_rng(9))
+    sensed = runs_of.sense(LOOP, runs_of.repeated(LOOP, 50), trigger.always(), np.random.default_rng(9))
     error = sensed.z / H(sensed.states) - 1.0
     assert np.std(error) == pytest.approx(LOOP.range_noise, rel=0.02)
     np.testing.assert_allclose(relative_range_std(LOOP.anchors), LOOP.range_noise, rtol=5e-3)
@@ -192,7 +193,7 @@ def test_the_noise_that_is_simulated_is_the_noise_that_is_assumed():
 
 def test_variants_are_compared_over_the_same_noise():
     sensed = [
-        mc.sense(LOOP, mc.repeated(LOOP, 2), step, np.random.default_rng(10))
+        runs_of.sense(LOOP, runs_of.repeated(LOOP, 2), step, np.random.default_rng(10))
         for step in (trigger.always(), trigger.near(-50.0), trigger.random(0.3))
     ]
     for other in sensed[1:]:

@@ -10,12 +10,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from wsn_tracking.evaluation import study
-from wsn_tracking.evaluation import study_human as human
-from wsn_tracking.evaluation import study_human_parts as parts
-from wsn_tracking.evaluation.human_runs import distances, sample, squares, track
-from wsn_tracking.evaluation.study_human import IMPROVED, PAPER_MAX, SEED, baseline, direction
 from wsn_tracking.simulation.c_body import BodyConfig, CircleConfig, CorridorConfig, SpacingConfig
+from wsn_tracking.studies import __main__ as studies
+from wsn_tracking.studies import human
+from wsn_tracking.studies import human_parts as parts
+from wsn_tracking.studies.human import IMPROVED, PAPER_MAX, SEED, baseline, direction
+from wsn_tracking.studies.human_runs import distances, sample, squares, track
 from wsn_tracking.trackers.human_config import HumanConfig, MotionConfig, ResamplingConfig, SignalConfig, StartConfig
 
 RUNS = 10
@@ -173,7 +173,7 @@ def test_every_study_runs_and_is_plain_json(monkeypatch):
     }
     monkeypatch.undo()
     results['silence'] = parts.silence(2)
-    assert set(results) == set(study.STUDIES['human'])
+    assert set(results) == set(studies.STUDIES['human'])
     assert results == json.loads(json.dumps(results, allow_nan=False))
     assert results['silence']['finite']
     assert results['teleport']['reset']['median_s'] <= 15.0 + 90.0

@@ -9,9 +9,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from wsn_tracking.evaluation import hybrid_runs, study_hybrid
-from wsn_tracking.evaluation.study_hybrid import after, before, settling, squares
 from wsn_tracking.simulation.d_cells import Measured
+from wsn_tracking.studies import hybrid as study
+from wsn_tracking.studies import hybrid_runs
+from wsn_tracking.studies.hybrid import after, before, settling, squares
 from wsn_tracking.trackers.hybrid_config import HybridConfig
 
 RUNS = 60
@@ -23,8 +24,8 @@ T = 0.05
 def shown(request):
     """Runs, and squared errors by spectral density and filter."""
     name, seed = request.param
-    runs = study_hybrid.world(name, RUNS, seed=seed)
-    return runs, {density: study_hybrid.all_squares(runs, density) for density in DENSITIES}
+    runs = study.world(name, RUNS, seed=seed)
+    return runs, {density: study.all_squares(runs, density) for density in DENSITIES}
 
 
 def ratio(first, second):
@@ -70,25 +71,24 @@ def test_two_models_are_no_worse_than_the_hybrid(shown, density):
 
 @pytest.mark.parametrize(('name', 'seed'), [('d_dropout', 11), ('d_stop', 24)])
 def test_a_third_of_the_ranges_lost_does_not_make_the_hybrid_worse_than_the_filter(name, seed):
-    runs = study_hybrid.world(name, RUNS, 0.3, seed)
-    begun = round(study_hybrid.BEGUN_S / T)
+    runs = study.world(name, RUNS, 0.3, seed)
+    begun = round(study.BEGUN_S / T)
     hybrid, ekf = (
-        squares(hybrid_runs.track(runs, study_hybrid.form(form, 0.01)).m, runs)[:, begun:]
-        for form in ('inflate', 'ekf')
+        squares(hybrid_runs.track(runs, study.form(form, 0.01)).m, runs)[:, begun:] for form in ('inflate', 'ekf')
     )
     assert ratio(np.nanmean(hybrid, axis=1), np.nanmean(ekf, axis=1)) <= 1.1
 
 
 def test_a_manoeuvre_is_found_soon_after_the_stop_and_seldom_before():
-    runs = study_hybrid.world('d_stop', RUNS, seed=11)
-    found = hybrid_runs.track(runs, study_hybrid.form('inflate', 0.001)).manoeuvres
-    stop, begun = study_hybrid.stop_of(runs), round(study_hybrid.BEGUN_S / T)
+    runs = study.world('d_stop', RUNS, seed=11)
+    found = hybrid_runs.track(runs, study.form('inflate', 0.001)).manoeuvres
+    stop, begun = study.stop_of(runs), round(study.BEGUN_S / T)
     assert found[:, stop : stop + round(0.6 / T)].any(axis=1).mean() >= 0.95
     assert found[:, begun:stop].sum() <= 0.01 * found[:, begun:stop].size
 
 
 def test_a_batch_is_its_runs():
-    runs = study_hybrid.world('d_stop', 3, seed=11)
+    runs = study.world('d_stop', 3, seed=11)
     alone = runs._replace(told=Measured(*(column[1:2] for column in runs.told)))
     one, all_of_them = (hybrid_runs.track(r, HybridConfig()).m for r in (alone, runs))
     np.testing.assert_allclose(all_of_them[1], one[0], rtol=0.0, atol=1e-9)

@@ -9,9 +9,9 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from wsn_tracking.evaluation import loss_runs, study_loss
-from wsn_tracking.evaluation.study_loss import median_nees, rmse
 from wsn_tracking.models.links import Loss
+from wsn_tracking.studies import loss, loss_runs
+from wsn_tracking.studies.loss import median_nees, rmse
 from wsn_tracking.trackers.loss_tolerant_config import LossTolerantConfig
 
 RUNS = 150
@@ -24,7 +24,7 @@ def scores():
     worlds = loss_runs.sample(RUNS, 1)
     return {
         (name, p): loss_runs.track(worlds, LossTolerantConfig(filter=name), Loss(p))
-        for name in study_loss.FILTERS
+        for name in loss.FILTERS
         for p in RATES
     }
 

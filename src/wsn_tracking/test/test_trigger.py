@@ -8,11 +8,11 @@ from hypothesis.extra.numpy import arrays
 from oracles import LOOP, properties
 
 from wsn_tracking.errors import TrackingError
-from wsn_tracking.evaluation.monte_carlo import repeated, sense
 from wsn_tracking.models.draws import keyed
 from wsn_tracking.sensing import trigger
 from wsn_tracking.sensing.stage import SensingStage, TriggerConfig
 from wsn_tracking.sensing.values import Epoch, Reason, Rssi
+from wsn_tracking.studies.random_q_runs import repeated, sense
 
 NAN = math.nan
 

@@ -17,20 +17,20 @@ from pathlib import Path
 from wsn_tracking import graphs
 from wsn_tracking.configuration import parse_setting
 from wsn_tracking.errors import TrackingError
-from wsn_tracking.evaluation.phase_recorded import phase_run
-from wsn_tracking.evaluation.phase_runs import SETTLED_S
-from wsn_tracking.evaluation.study_phase import Result, summary
 from wsn_tracking.files import check_new_folder
 from wsn_tracking.graphs.follower import SINK
 from wsn_tracking.node_parameters.serial import SinkSimulatorConfig
 from wsn_tracking.parameters import Values, build
 from wsn_tracking.processes import run_graph
+from wsn_tracking.studies.phase import Result, summary
+from wsn_tracking.studies.phase_recorded import phase_run
+from wsn_tracking.studies.phase_runs import SETTLED_S
 
 
 def follow(output: Path, seed: int, settings: Values) -> Result:
     """Run the ring, draw what came of it; how well the second robot kept in phase once it had caught up."""
-    from wsn_tracking.evaluation.plot_phase import phase_figure
     from wsn_tracking.evaluation.plot_style import save
+    from wsn_tracking.studies.phase_plot import phase_figure
 
     check_new_folder(output)
     bag = output / 'bag'

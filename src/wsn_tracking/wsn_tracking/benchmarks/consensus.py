@@ -7,12 +7,12 @@ from collections.abc import Callable, Iterable
 import numpy as np
 
 from wsn_tracking.benchmarks.rows import Row, Sizes, at_least, cpu_seconds
-from wsn_tracking.evaluation.consensus_runs import sample
 from wsn_tracking.fusion.consensus import SCHEMES
 from wsn_tracking.fusion.exchange import Exchange
 from wsn_tracking.models.anchors import Floats, Mask
 from wsn_tracking.models.graph import adjacency
 from wsn_tracking.simulation.b_field import FieldConfig
+from wsn_tracking.studies.consensus_runs import sample
 from wsn_tracking.trackers.consensus import Network, Nodes
 from wsn_tracking.trackers.consensus_config import ConsensusConfig
 

@@ -7,13 +7,13 @@ from functools import partial
 
 import numpy as np
 
-from wsn_tracking.evaluation import monte_carlo as mc
-from wsn_tracking.evaluation.study_random_q import matched_runs
-from wsn_tracking.evaluation.study_triggers import NEAR, compare, triggers_of
 from wsn_tracking.models.anchors import Floats
 from wsn_tracking.reproduction.claims import BEYOND, Claim, Experiment, Figure, Plot, Samples
 from wsn_tracking.reproduction.quantities import bars, mean, median, ratio
 from wsn_tracking.simulation.scenarios import BY_SEED, scenario
+from wsn_tracking.studies import random_q_runs as runs_of
+from wsn_tracking.studies.random_q import matched_runs
+from wsn_tracking.studies.random_q_triggers import NEAR, compare, triggers_of
 
 HEADER, ITEM, SHARE = 8, 10, 56  # [bytes] a broadcast, a range, mean and covariance in single precision
 NAMES = {'a_loop': 'L', 'a_circle': 'C', 'a_heading': 'H'}
@@ -25,11 +25,11 @@ PARTICLES = 2000
 def same_rate(name: str, seed: int, runs: int) -> Samples:
     """The document's stack, and one iterated filter behind the near trigger, over the same noise; a walk is a run."""
     s = scenario(name)
-    states = mc.repeated(s, runs)
+    states = runs_of.repeated(s, runs)
     if name in BY_SEED:
         first = seed % 2**32
         walks = [scenario(name, seed=first + i) for i in range(runs)]
-        states = np.concatenate([mc.repeated(walk, REPEATED) for walk in walks])
+        states = np.concatenate([runs_of.repeated(walk, REPEATED) for walk in walks])
     samples: dict[str, Floats] = {}
     for kind in ('event', 'near'):
         found = compare(s, states, triggers_of(s, 0.0)[kind], seed)

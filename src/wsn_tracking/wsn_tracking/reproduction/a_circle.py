@@ -6,10 +6,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from wsn_tracking.evaluation.study_process_noise import FIXED, INTERVALS, RULES, Circle
 from wsn_tracking.models.anchors import Floats
 from wsn_tracking.reproduction.claims import Claim, Experiment, Figure, Plot, Samples, Series
 from wsn_tracking.reproduction.quantities import curve, mean, ratio
+from wsn_tracking.studies.random_q_noise import FIXED, INTERVALS, RULES, Circle
 
 EI_OF_7 = 9.2233  # [cm]
 

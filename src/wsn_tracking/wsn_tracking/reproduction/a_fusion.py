@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from wsn_tracking.evaluation.study_process_noise import INTERVALS
 from wsn_tracking.reproduction.a_circle import CIRCLE, EI_OF_7, key
 from wsn_tracking.reproduction.a_printed import TABLE_1, WORDS, told_change, told_local
 from wsn_tracking.reproduction.claims import Bounds, Claim, Figure, Plot, Samples, Series
 from wsn_tracking.reproduction.quantities import bars, change
+from wsn_tracking.studies.random_q_noise import INTERVALS
 
 
 def fusion(

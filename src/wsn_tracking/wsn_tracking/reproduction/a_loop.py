@@ -6,14 +6,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from wsn_tracking.evaluation import monte_carlo as mc
 from wsn_tracking.evaluation.metrics import ei, esi
-from wsn_tracking.evaluation.study_process_noise import identity_noise
 from wsn_tracking.models.anchors import Floats
 from wsn_tracking.reproduction.claims import PICTURE, Claim, Experiment, Figure, Plot, Samples, Series
 from wsn_tracking.reproduction.quantities import bars, change, curve, path, ratio
 from wsn_tracking.sensing import trigger
 from wsn_tracking.simulation.scenarios import scenario
+from wsn_tracking.studies import random_q_runs as runs_of
+from wsn_tracking.studies.random_q_noise import identity_noise
 
 ALPHAS = (0.2, 0.25, 0.27, 0.3, 0.5)
 SAVED = 56.54  # [%]
@@ -25,23 +25,23 @@ def loop(seed: int, runs: int) -> Samples:
     samples: dict[str, Floats] = {}
     for alpha in ALPHAS:
         step = trigger.event(trigger.EventThresholds(alpha=alpha))
-        sensed = mc.sense(L, mc.repeated(L, runs), step, np.random.default_rng(seed))
+        sensed = runs_of.sense(L, runs_of.repeated(L, runs), step, np.random.default_rng(seed))
         samples[f'sent {alpha:g}'] = np.sum(sensed.verdicts == trigger.SENT, axis=(1, 2)).astype(np.float64)
-        samples[f'in radius {alpha:g}'] = np.sum(mc.in_radius(sensed), axis=(1, 2)).astype(np.float64)
+        samples[f'in radius {alpha:g}'] = np.sum(runs_of.in_radius(sensed), axis=(1, 2)).astype(np.float64)
     generator = np.random.default_rng(seed + 1)
     step = trigger.event(trigger.EventThresholds(alpha=L.alpha))
-    sensed = mc.sense(L, mc.repeated(L, runs), step, generator)
-    start = mc.start_near(sensed.states, generator)
+    sensed = runs_of.sense(L, runs_of.repeated(L, runs), step, generator)
+    start = runs_of.start_near(sensed.states, generator)
     uniform = generator.random((runs, 3, len(L.truth)))
     samples[f'{PICTURE}truth'] = L.truth[:, :2]
     for q in (2.0, 7.0, 20.0):
-        tracks = mc.track(L, sensed, start, identity_noise(q, q))
-        samples[f'EI q {q:g}'] = ei(mc.errors(tracks, sensed))[:, 0]
+        tracks = runs_of.track(L, sensed, start, identity_noise(q, q))
+        samples[f'EI q {q:g}'] = ei(runs_of.errors(tracks, sensed))[:, 0]
         samples[f'{PICTURE}q {q:g}'] = tracks.m[0, 0, :, :2]
-    tracks = mc.track(L, sensed, start, identity_noise(8.0, 12.0), uniform)
-    sums = esi(mc.errors(tracks, sensed))
-    fused = mc.fuse(tracks, 'trace')
-    samples['ESI local'], samples['ESI CI'] = sums.mean(axis=1), esi(mc.errors(fused, sensed))[:, 0]
+    tracks = runs_of.track(L, sensed, start, identity_noise(8.0, 12.0), uniform)
+    sums = esi(runs_of.errors(tracks, sensed))
+    fused = runs_of.fuse(tracks, 'trace')
+    samples['ESI local'], samples['ESI CI'] = sums.mean(axis=1), esi(runs_of.errors(fused, sensed))[:, 0]
     samples[f'{PICTURE}local'], samples[f'{PICTURE}CI'] = tracks.m[0, 0, :, :2], fused.m[0, 0, :, :2]
     return samples
 

@@ -7,7 +7,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from wsn_tracking.evaluation import consensus_runs as runs_of
 from wsn_tracking.models.anchors import Floats
 from wsn_tracking.models.graph import adjacency, is_connected
 from wsn_tracking.reproduction.b_field import CM, settled
@@ -15,6 +14,7 @@ from wsn_tracking.reproduction.b_schemes import OURS
 from wsn_tracking.reproduction.claims import BEYOND, Claim, Experiment, Figure, Samples
 from wsn_tracking.reproduction.quantities import ratio, root_mean
 from wsn_tracking.simulation.b_field import FieldConfig
+from wsn_tracking.studies import consensus_runs as runs_of
 from wsn_tracking.trackers.consensus_config import ArrivalConfig, LinkConfig
 
 

@@ -6,11 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from wsn_tracking.evaluation import consensus_runs as runs_of
-from wsn_tracking.evaluation.consensus_runs import SETTLED, Scores, Worlds
 from wsn_tracking.models.anchors import Floats
 from wsn_tracking.reproduction.claims import PICTURE, Experiment, Samples
 from wsn_tracking.simulation.b_field import FieldConfig
+from wsn_tracking.studies import consensus_runs as runs_of
+from wsn_tracking.studies.consensus_runs import SETTLED, Scores, Worlds
 from wsn_tracking.trackers.consensus_config import ArrivalConfig, ConsensusConfig
 
 CM = ConsensusConfig(scheme='cm', arrival=ArrivalConfig(loss='zero'))  # as the document has it

@@ -7,10 +7,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from wsn_tracking.evaluation import consensus_runs as runs_of
-from wsn_tracking.evaluation.bounds import path_bound, range_bearing_information
-from wsn_tracking.evaluation.consensus_runs import SETTLED, Worlds
-from wsn_tracking.evaluation.study_consensus_schemes import guards
 from wsn_tracking.models.anchors import Floats
 from wsn_tracking.models.motion import constant_velocity
 from wsn_tracking.models.noise import white_acceleration
@@ -18,6 +14,10 @@ from wsn_tracking.reproduction.b_field import CM, settled
 from wsn_tracking.reproduction.claims import BEYOND, Claim, Experiment, Figure, Plot, Samples
 from wsn_tracking.reproduction.quantities import bars, mean, ratio, root_mean
 from wsn_tracking.simulation.b_field import FieldConfig
+from wsn_tracking.studies import consensus_runs as runs_of
+from wsn_tracking.studies.bounds import path_bound, range_bearing_information
+from wsn_tracking.studies.consensus_runs import SETTLED, Worlds
+from wsn_tracking.studies.consensus_schemes import guards
 from wsn_tracking.trackers.consensus_config import ConsensusConfig
 
 OURS = ConsensusConfig()

@@ -6,12 +6,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from wsn_tracking.evaluation.human_runs import SETTLED, distances, sample, track
-from wsn_tracking.evaluation.study_human import baseline, direction
 from wsn_tracking.reproduction.c_filters import ONE, PAPER, compared, maps
 from wsn_tracking.reproduction.claims import Claim, Experiment, Figure, Samples
 from wsn_tracking.reproduction.quantities import mean, median
 from wsn_tracking.simulation.c_body import CorridorConfig
+from wsn_tracking.studies.human import baseline, direction
+from wsn_tracking.studies.human_runs import SETTLED, distances, sample, track
 
 AWAY = 5.0  # [m] a walk with a larger mean error has lost its person
 

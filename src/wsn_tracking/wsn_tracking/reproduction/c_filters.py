@@ -6,11 +6,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from wsn_tracking.evaluation.human_runs import SETTLED, Walks, distances, track
 from wsn_tracking.evaluation.metrics import nees
 from wsn_tracking.models.anchors import Floats
 from wsn_tracking.reproduction.claims import PICTURE, Bounds, Figure, Plot, Samples
 from wsn_tracking.reproduction.quantities import path, ratio
+from wsn_tracking.studies.human_runs import SETTLED, Walks, distances, track
 from wsn_tracking.trackers.human_config import HumanConfig
 
 REACH = 50.0  # [m] what the document divides errors by

@@ -7,12 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from wsn_tracking.evaluation.human_runs import sample
-from wsn_tracking.evaluation.study_human import IMPROVED, PAPER_MAX, baseline
 from wsn_tracking.reproduction.c_filters import ONE, PAPER, compared, maps
 from wsn_tracking.reproduction.claims import BEYOND, Claim, Experiment, Figure, Plot, Samples
 from wsn_tracking.reproduction.quantities import bars, mean, median, ratio, root_mean
 from wsn_tracking.simulation.c_body import BodyConfig
+from wsn_tracking.studies.human import IMPROVED, PAPER_MAX, baseline
+from wsn_tracking.studies.human_runs import sample
 
 OURS, LAGGED, MANY = 'improved', 'improved, 3 s later', 'improved, 2000 particles'
 CONFIGS = {

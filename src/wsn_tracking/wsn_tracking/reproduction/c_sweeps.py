@@ -7,13 +7,13 @@ from itertools import pairwise
 
 import numpy as np
 
-from wsn_tracking.evaluation.human_runs import sample
-from wsn_tracking.evaluation.study_human import NOISES, PAPER_MAX, SPACINGS, baseline
 from wsn_tracking.models.anchors import Floats
 from wsn_tracking.reproduction.c_filters import ONE, PAPER, REACH, compared
 from wsn_tracking.reproduction.claims import Claim, Experiment, Figure, Plot, Samples
 from wsn_tracking.reproduction.quantities import curve, ratio
 from wsn_tracking.simulation.c_body import BodyConfig, SpacingConfig
+from wsn_tracking.studies.human import NOISES, PAPER_MAX, SPACINGS, baseline
+from wsn_tracking.studies.human_runs import sample
 from wsn_tracking.trackers.human_config import HumanConfig, MotionConfig
 
 # ---- figure 5: denser nodes

@@ -6,15 +6,15 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 
-from wsn_tracking.evaluation.human_runs import distances, sample, track
-from wsn_tracking.evaluation.study_human import IMPROVED, PAPER_MAX
-from wsn_tracking.evaluation.study_human_parts import recovery
 from wsn_tracking.models.anchors import Floats
 from wsn_tracking.reproduction.c_filters import PAPER, compared
 from wsn_tracking.reproduction.c_profiles import OURS
 from wsn_tracking.reproduction.claims import BEYOND, Claim, Experiment, Figure, Samples
 from wsn_tracking.reproduction.quantities import mean, median, ratio
 from wsn_tracking.simulation.c_body import BodyConfig
+from wsn_tracking.studies.human import IMPROVED, PAPER_MAX
+from wsn_tracking.studies.human_parts import recovery
+from wsn_tracking.studies.human_runs import distances, sample, track
 from wsn_tracking.trackers.human_config import MotionConfig, ResamplingConfig, SignalConfig, StartConfig
 
 JUMP = 60.0  # [s] when a target jumps

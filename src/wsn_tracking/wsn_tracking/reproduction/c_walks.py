@@ -6,12 +6,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from wsn_tracking.evaluation.human_runs import sample
-from wsn_tracking.evaluation.study_human import PAPER_MAX, baseline, direction
 from wsn_tracking.reproduction.c_filters import ONE, PAPER, REACH, better, compared, maps
 from wsn_tracking.reproduction.claims import Claim, Experiment, Figure, Plot, Samples, Series
 from wsn_tracking.reproduction.quantities import ratio, root_mean
 from wsn_tracking.simulation.c_body import BodyConfig, CircleConfig
+from wsn_tracking.studies.human import PAPER_MAX, baseline, direction
+from wsn_tracking.studies.human_runs import sample
 
 # ---- figure 3: a circle among four nodes
 

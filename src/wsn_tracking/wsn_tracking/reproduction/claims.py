@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import NamedTuple
 
-from wsn_tracking.evaluation.intervals import Figure as Interval
 from wsn_tracking.models.anchors import Floats
+from wsn_tracking.studies.intervals import Figure as Interval
 
 # Quantities by name. (runs, ...), independent from run to run; a name that begins with PICTURE is one run's, for a
 # plot, and one that begins with MEASURED tells of the machine, not of the seed.

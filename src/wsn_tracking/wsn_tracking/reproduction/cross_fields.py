@@ -12,11 +12,11 @@ from wsn_tracking.bags.epochs import with_epoch_ends
 from wsn_tracking.bags.importing.run import import_set
 from wsn_tracking.evaluation.score import SKIP_S
 from wsn_tracking.graphs.facts import Facts
-from wsn_tracking.real_radio.sets import MRCLAM, SETS, Set, find, prepare
 from wsn_tracking.sensing.recording import Recording
 from wsn_tracking.sensing.values import NAN, Rssi
 from wsn_tracking.simulation.record import record
 from wsn_tracking.simulation.scenarios import scenario
+from wsn_tracking.studies.real_radio.sets import MRCLAM, SETS, Set, find, prepare
 
 Opened = tuple[graphs.Source, Recording]
 

@@ -7,8 +7,6 @@ from functools import partial
 from typing import Any, NamedTuple
 
 from wsn_tracking import graphs
-from wsn_tracking.evaluation.baselines import Fix, Memoryless, Nearest
-from wsn_tracking.evaluation.consensus_runs import HEADER, ITEM, SHARE, traffic
 from wsn_tracking.evaluation.run import Run
 from wsn_tracking.evaluation.run_trackers import run_trackers
 from wsn_tracking.graphs.consensus import ConsensusPlan
@@ -17,8 +15,10 @@ from wsn_tracking.graphs.plans import configuration_of, is_made_for
 from wsn_tracking.node_parameters.consensus import ConsensusNodeConfig
 from wsn_tracking.offline import run_plan
 from wsn_tracking.parameters import Values, build
+from wsn_tracking.reproduction.cross_baselines import Fix, Memoryless, Nearest
 from wsn_tracking.reproduction.cross_fields import Opened, without_bodies
 from wsn_tracking.sensing.values import Range, RangeBearing, Rssi
+from wsn_tracking.studies.consensus_runs import HEADER, ITEM, SHARE, traffic
 
 
 class Sent(NamedTuple):

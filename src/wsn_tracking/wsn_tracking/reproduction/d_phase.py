@@ -6,8 +6,6 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from wsn_tracking.evaluation import phase_runs
-from wsn_tracking.evaluation.hybrid_runs import sample, track
 from wsn_tracking.models.anchors import Floats
 from wsn_tracking.reproduction.claims import PICTURE, Claim, Experiment, Figure, Plot, Samples
 from wsn_tracking.reproduction.d_filters import errors
@@ -15,6 +13,8 @@ from wsn_tracking.reproduction.d_stopping import PERIOD, SETTLED
 from wsn_tracking.reproduction.quantities import curve, mean, path, ratio, root_mean
 from wsn_tracking.simulation.d_cells import CellsConfig
 from wsn_tracking.simulation.scenarios import scenario
+from wsn_tracking.studies import phase_runs
+from wsn_tracking.studies.hybrid_runs import sample, track
 from wsn_tracking.trackers.hybrid_config import HybridConfig
 
 LASTS = 40.0  # [s]

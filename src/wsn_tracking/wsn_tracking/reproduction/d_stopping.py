@@ -7,13 +7,13 @@ from functools import partial
 
 import numpy as np
 
-from wsn_tracking.evaluation.hybrid_runs import sample
 from wsn_tracking.models.anchors import Floats
 from wsn_tracking.reproduction.claims import PICTURE, Bounds, Experiment, Figure, Plot, Samples
 from wsn_tracking.reproduction.d_filters import EKF, HYBRID, IMM, LS, followed
 from wsn_tracking.reproduction.quantities import bootstrapped, curve, path
 from wsn_tracking.simulation.d_cells import CellsConfig
 from wsn_tracking.simulation.scenarios import scenario
+from wsn_tracking.studies.hybrid_runs import sample
 
 SETTLED = 2.0  # [s] after the start that are not scored
 CLOSE = 0.04  # [m] an ensemble below this has settled

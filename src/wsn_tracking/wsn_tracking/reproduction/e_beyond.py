@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import pairwise
 
-from wsn_tracking.evaluation.study_loss import FILTERS
 from wsn_tracking.reproduction.claims import BEYOND, Claim, Figure, Plot, Samples, Series
 from wsn_tracking.reproduction.e_losses import WORDS
 from wsn_tracking.reproduction.e_sweep import RATES, SWEEP
 from wsn_tracking.reproduction.quantities import bars, mean, median, ratio
+from wsn_tracking.studies.loss import FILTERS
 
 
 def honest(s: Samples) -> Sequence[Figure]:

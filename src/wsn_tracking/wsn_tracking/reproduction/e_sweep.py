@@ -4,10 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from wsn_tracking.evaluation import loss_runs
-from wsn_tracking.evaluation.bounds import path_bound, scalar_information
-from wsn_tracking.evaluation.loss_runs import Worlds
-from wsn_tracking.evaluation.study_loss import FILTERS, LOST, squares
 from wsn_tracking.models.anchors import Floats
 from wsn_tracking.models.links import Loss, gamma
 from wsn_tracking.models.motion import turn_jacobian
@@ -15,6 +11,10 @@ from wsn_tracking.models.noise import turn_noise
 from wsn_tracking.models.radio import relative_range_std
 from wsn_tracking.reproduction.claims import Experiment, Samples
 from wsn_tracking.simulation.e_loss import PERIOD, anchors_of
+from wsn_tracking.studies import loss_runs
+from wsn_tracking.studies.bounds import path_bound, scalar_information
+from wsn_tracking.studies.loss import FILTERS, LOST, squares
+from wsn_tracking.studies.loss_runs import Worlds
 from wsn_tracking.trackers.loss_tolerant_config import LossTolerantConfig
 
 RATES = (0.0, 0.1, 0.3, 0.5, 0.7, 0.9)

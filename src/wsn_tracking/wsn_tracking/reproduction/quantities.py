@@ -6,10 +6,10 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from wsn_tracking.evaluation.intervals import NORMAL_95, change_of, mean_of, ratio_of
-from wsn_tracking.evaluation.intervals import Figure as Interval
 from wsn_tracking.models.anchors import Floats
 from wsn_tracking.reproduction.claims import Bounds, Figure, Series
+from wsn_tracking.studies.intervals import NORMAL_95, change_of, mean_of, ratio_of
+from wsn_tracking.studies.intervals import Figure as Interval
 
 RESAMPLED = 500  # sets of runs of a bootstrap
 

@@ -1,6 +1,6 @@
 """What the consensus schemes reach and what they cost (seed 002): a table for the docs, and figures for machines.
 
-    python -m wsn_tracking.evaluation.consensus_study -o docs/results [--runs N]
+    python -m wsn_tracking.studies.consensus -o docs/results [--runs N]
 
 Writes consensus.json and consensus.md. Times are of the machine that ran it; everything else is repeatable.
 """
@@ -15,14 +15,14 @@ from pathlib import Path
 from typing import Any
 
 from wsn_tracking.errors import TrackingError
-from wsn_tracking.evaluation import consensus_runs as runs_of
-from wsn_tracking.evaluation.study_consensus_faults import faults, links
-from wsn_tracking.evaluation.study_consensus_scaling import scaling
-from wsn_tracking.evaluation.study_consensus_schemes import Table, schemes, ten_bytes
 from wsn_tracking.files import write_whole
 from wsn_tracking.simulation.b_field import FieldConfig
+from wsn_tracking.studies import consensus_runs as runs_of
+from wsn_tracking.studies.consensus_faults import faults, links
+from wsn_tracking.studies.consensus_scaling import scaling
+from wsn_tracking.studies.consensus_schemes import Table, schemes, ten_bytes
 
-COMMAND = 'python -m wsn_tracking.evaluation.consensus_study -o docs/results'
+COMMAND = 'python -m wsn_tracking.studies.consensus -o docs/results'
 SEED = 1
 RAW_RUNS = 20  # of floods of readings, which cost fifty times the others
 
@@ -61,7 +61,7 @@ def _cell(value: Any) -> str:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Entry point; the exit status."""
-    parser = argparse.ArgumentParser(prog='wsn_tracking.evaluation.consensus_study', description=__doc__.split('\n')[0])
+    parser = argparse.ArgumentParser(prog='wsn_tracking.studies.consensus', description=__doc__.split('\n')[0])
     parser.add_argument('-o', '--output', type=Path, required=True, metavar='DIR', help='folder of the results')
     parser.add_argument('--runs', type=int, default=100, help='runs of each row (default: 100)')
     options = parser.parse_args(arguments)
@@ -72,7 +72,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         write_whole(options.output / 'consensus.json', text.encode())
         write_whole(options.output / 'consensus.md', markdown(tables, options.runs).encode())
     except TrackingError as error:
-        print(f'consensus_study: {error}', file=sys.stderr)
+        print(f'consensus: {error}', file=sys.stderr)
         return 1
     return 0
 

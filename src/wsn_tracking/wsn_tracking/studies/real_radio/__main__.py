@@ -1,6 +1,6 @@
 """The figures of docs/system_a.md, docs/human.md and docs/loss_tolerant.md on real radio.
 
-    python -m wsn_tracking.real_radio DATA -o docs/results [NAME ...]
+    python -m wsn_tracking.studies.real_radio DATA -o docs/results [NAME ...]
 
 DATA holds the recordings of docs/datasets.md, each in a folder of its own. Bags and calibrations are made in a
 temporary folder: from surveys, or from the first part of a recording, which is not scored.
@@ -14,17 +14,17 @@ import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
-from wsn_tracking.evaluation import study
-from wsn_tracking.real_radio.command import call
-from wsn_tracking.real_radio.found_again import TABLES as FOUND_AGAIN
-from wsn_tracking.real_radio.left_out import TABLES as LEFT_OUT
-from wsn_tracking.real_radio.lost import TABLES as SYSTEM_E
-from wsn_tracking.real_radio.people import TABLES as SYSTEM_C
-from wsn_tracking.real_radio.sets import Sets
-from wsn_tracking.real_radio.tables import TABLES as SYSTEM_A
+from wsn_tracking.studies.real_radio.command import call
+from wsn_tracking.studies.real_radio.found_again import TABLES as FOUND_AGAIN
+from wsn_tracking.studies.real_radio.left_out import TABLES as LEFT_OUT
+from wsn_tracking.studies.real_radio.lost import TABLES as SYSTEM_E
+from wsn_tracking.studies.real_radio.people import TABLES as SYSTEM_C
+from wsn_tracking.studies.real_radio.sets import Sets
+from wsn_tracking.studies.real_radio.tables import TABLES as SYSTEM_A
+from wsn_tracking.studies.results import make
 
 TABLES = {**SYSTEM_A, **FOUND_AGAIN, **LEFT_OUT, **SYSTEM_C, **SYSTEM_E}
-COMMAND = 'python -m wsn_tracking.real_radio DATA -o docs/results'
+COMMAND = 'python -m wsn_tracking.studies.real_radio DATA -o docs/results'
 
 
 def run(data: Path, folder: Path, wanted: Sequence[str] = ()) -> Path:
@@ -32,7 +32,7 @@ def run(data: Path, folder: Path, wanted: Sequence[str] = ()) -> Path:
     with tempfile.TemporaryDirectory(prefix='wsn_tracking_') as work:
         sets = Sets(data, Path(work))
         studies = {name: functools.wraps(table)(functools.partial(table, sets)) for name, table in TABLES.items()}
-        (path,) = study.run(folder, wanted, {'real_radio': studies}, command=COMMAND)
+        (path,) = make(folder, wanted, {'real_radio': studies}, command=COMMAND)
     return path
 
 

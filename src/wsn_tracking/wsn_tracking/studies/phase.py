@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from wsn_tracking.evaluation.intervals import short
-from wsn_tracking.evaluation.phase_runs import SETTLED_S, PhaseConfig, PhaseRun, run
 from wsn_tracking.simulation.d_cells import CellsConfig
+from wsn_tracking.studies.intervals import short
+from wsn_tracking.studies.phase_runs import SETTLED_S, PhaseConfig, PhaseRun, run
 
 Result = dict[str, Any]
 CAUGHT_UP = np.radians(10.0)

@@ -9,8 +9,8 @@ import numpy as np
 
 from wsn_tracking.configuration import load_configuration
 from wsn_tracking.parameters import Values
-from wsn_tracking.real_radio.scores import Result, figures, pooled, short
-from wsn_tracking.real_radio.sets import Bags, Sets
+from wsn_tracking.studies.real_radio.scores import Result, figures, pooled, short
+from wsn_tracking.studies.real_radio.sets import Bags, Sets
 
 # What is switched off at first, and then on again in this order.
 OFF: Mapping[str, Any] = {

@@ -7,16 +7,16 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from wsn_tracking.evaluation import monte_carlo as mc
-from wsn_tracking.evaluation.intervals import mean_of, ratio_of
 from wsn_tracking.evaluation.metrics import ei
-from wsn_tracking.evaluation.reference import posterior_means
 from wsn_tracking.models.anchors import Floats
 from wsn_tracking.models.measurement import range_function, relative_noise
 from wsn_tracking.models.motion import constant_velocity
 from wsn_tracking.models.noise import white_acceleration
 from wsn_tracking.sensing import trigger
 from wsn_tracking.simulation.scenarios import scenario
+from wsn_tracking.studies import random_q_runs as runs_of
+from wsn_tracking.studies.intervals import mean_of, ratio_of
+from wsn_tracking.studies.reference import posterior_means
 from wsn_tracking.trackers.random_q_config import NoiseConfig, RandomQConfig, UpdateConfig
 
 Result = dict[str, Any]
@@ -34,9 +34,9 @@ def trigger_rate(runs: int = 1000, seed: int = 1) -> Result:
     shares = {}
     for alpha in (0.2, 0.25, 0.27, 0.3, 0.5):
         step = trigger.event(trigger.EventThresholds(alpha=alpha))
-        sensed = mc.sense(L, mc.repeated(L, runs), step, np.random.default_rng(seed))
+        sensed = runs_of.sense(L, runs_of.repeated(L, runs), step, np.random.default_rng(seed))
         sent = np.sum(sensed.verdicts == trigger.SENT, axis=(1, 2))
-        shares[f'alpha_{alpha:g}'] = ratio_of(sent, np.sum(mc.in_radius(sensed), axis=(1, 2)))
+        shares[f'alpha_{alpha:g}'] = ratio_of(sent, np.sum(runs_of.in_radius(sensed), axis=(1, 2)))
     return {'runs': runs, 'seed': seed, 'sent_of_in_radius': shares}
 
 
@@ -44,14 +44,14 @@ def update_forms(runs: int = 1000, seed: int = 1) -> Result:
     """Error indicator of one filter with q = 7 on a_loop: noise at the measured or predicted range, iterated, log."""
     L, generator = scenario('a_loop'), np.random.default_rng(seed)
     step = trigger.event(trigger.EventThresholds(alpha=L.alpha))
-    sensed = mc.sense(L, mc.repeated(L, runs), step, generator)
-    start = mc.start_near(sensed.states, generator)
+    sensed = runs_of.sense(L, runs_of.repeated(L, runs), step, generator)
+    start = runs_of.start_near(sensed.states, generator)
     eis, nees = {}, {}
     for name, update in UPDATES.items():
         config = RandomQConfig(noise=NoiseConfig(q_min=7.0, q_max=7.0), update=update)
-        tracks = mc.track(L, sensed, start, config)
-        eis[name] = ei(mc.errors(tracks, sensed))[:, 0]
-        nees[name] = mean_of(np.mean(mc.position_nees(tracks, sensed), axis=(1, 2)))
+        tracks = runs_of.track(L, sensed, start, config)
+        eis[name] = ei(runs_of.errors(tracks, sensed))[:, 0]
+        nees[name] = mean_of(np.mean(runs_of.position_nees(tracks, sensed), axis=(1, 2)))
     document = eis['ckf_measured']
     return {
         'runs': runs,
@@ -98,8 +98,8 @@ def matched_runs(
 ) -> Matched:
     """Every form of the update on walks of that spectral density [m^2/s^3], and many particles on some of them."""
     L = scenario('a_loop')
-    sensed = mc.sense(L, mc.walks_inside(L, density, epochs, runs, generator), trigger.always(), generator)
-    start = mc.start_near(sensed.states, generator)
+    sensed = runs_of.sense(L, runs_of.walks_inside(L, density, epochs, runs, generator), trigger.always(), generator)
+    start = runs_of.start_near(sensed.states, generator)
     some = slice(0, reference_runs)
     h = range_function(L.anchors)
     means = posterior_means(
@@ -116,9 +116,9 @@ def matched_runs(
     squares, nees = {}, {}
     noise = NoiseConfig(kind='acceleration', q_min=7.0, q_max=7.0, spectral_density=density)
     for name, update in UPDATES.items():
-        tracks = mc.track(L, sensed, start, RandomQConfig(noise=noise, update=update))
-        squares[name] = np.mean(np.sum(mc.errors(tracks, sensed) ** 2, axis=-1), axis=(1, 2))
-        nees[name] = np.mean(mc.position_nees(tracks, sensed), axis=(1, 2))
+        tracks = runs_of.track(L, sensed, start, RandomQConfig(noise=noise, update=update))
+        squares[name] = np.mean(np.sum(runs_of.errors(tracks, sensed) ** 2, axis=-1), axis=(1, 2))
+        nees[name] = np.mean(runs_of.position_nees(tracks, sensed), axis=(1, 2))
     return Matched(best, squares, nees)
 
 

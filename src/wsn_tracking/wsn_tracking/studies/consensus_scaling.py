@@ -7,11 +7,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from wsn_tracking.evaluation import consensus_runs as runs_of
-from wsn_tracking.evaluation.consensus_runs import rmse, traffic
-from wsn_tracking.evaluation.study_consensus_schemes import Row, Table
 from wsn_tracking.models.graph import adjacency, degrees, diameter
 from wsn_tracking.simulation.b_field import FieldConfig
+from wsn_tracking.studies import consensus_runs as runs_of
+from wsn_tracking.studies.consensus_runs import rmse, traffic
+from wsn_tracking.studies.consensus_schemes import Row, Table
 from wsn_tracking.trackers.consensus_config import ConsensusConfig
 
 SIZES = (10, 25, 50, 100, 200, 400)  # nodes

@@ -1,4 +1,4 @@
-"""The graph behind a serial line, end to end: `python -m wsn_tracking.serial_study -o docs/results`.
+"""The graph behind a serial line, end to end: `python -m wsn_tracking.studies.serial -o docs/results`.
 
 A simulated sink says what twelve nodes measure onto a pseudo terminal; serial_bridge_node, sensing and estimators run
 as processes of their own; one more process notes when measurements arrive.
@@ -37,7 +37,7 @@ from wsn_tracking.zstack.payload import MAX_RECORDS, PayloadType
 from wsn_tracking.zstack.readings import AirEpoch
 from wsn_tracking.zstack.simulator_settings import SimulatorConfig
 
-COMMAND = 'python -m wsn_tracking.serial_study -o docs/results'
+COMMAND = 'python -m wsn_tracking.studies.serial -o docs/results'
 HERTZ, SECONDS = 10.0, 60.0
 NODES, ESTIMATORS = 12, 3
 RANDOM_BYTES = 10_000_000
@@ -156,7 +156,7 @@ STUDIES: Mapping[str, Any] = {'end_to_end': end_to_end, 'noise': noise}
 
 def main() -> None:
     """Run the studies that are named, or all, and keep the figures of the others."""
-    parser = argparse.ArgumentParser(prog='serial_study', description='Run the long runs of the serial line.')
+    parser = argparse.ArgumentParser('wsn_tracking.studies.serial', description='Run the long runs of the serial line.')
     parser.add_argument('-o', '--output', type=Path, required=True, help='folder for serial.json')
     parser.add_argument('names', nargs='*', choices=[*STUDIES, []], help='studies (default: all)')
     options = parser.parse_args()

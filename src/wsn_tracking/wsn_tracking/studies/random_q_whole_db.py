@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from wsn_tracking.evaluation import monte_carlo as mc
-from wsn_tracking.evaluation.intervals import mean_of, ratio_of
-from wsn_tracking.evaluation.study_triggers import NEAR, Radio, Result, compare, unchanged, world
 from wsn_tracking.models.anchors import Floats
 from wsn_tracking.models.radio import range_at, rssi_at
 from wsn_tracking.sensing import trigger
 from wsn_tracking.simulation.scenario import Scenario
 from wsn_tracking.simulation.scenarios import BY_SEED
+from wsn_tracking.studies import random_q_runs as runs_of
+from wsn_tracking.studies.intervals import mean_of, ratio_of
+from wsn_tracking.studies.random_q_triggers import NEAR, Radio, Result, compare, unchanged, world
 
 
 def whole(y: Floats) -> Floats:
@@ -24,7 +24,7 @@ def before(step: trigger.Trigger) -> trigger.Trigger:
     return lambda yhat, y, u: step(yhat, whole(y), u)
 
 
-def told_in_whole_db(s: Scenario, sensed: mc.Sensed) -> mc.Sensed:
+def told_in_whole_db(s: Scenario, sensed: runs_of.Sensed) -> runs_of.Sensed:
     """The ranges of rounded signal strengths."""
     return sensed._replace(z=range_at(s.anchors, whole(rssi_at(s.anchors, sensed.z))))
 
@@ -64,7 +64,7 @@ def _compared(
     exact = None
     for way, (step, radio) in ways.items():
         compared = compare(s, states, step, seed, radio)
-        heard = mc.in_radius(mc.sense(s, states, step, np.random.default_rng(seed))).sum(axis=(1, 2))
+        heard = runs_of.in_radius(runs_of.sense(s, states, step, np.random.default_rng(seed))).sum(axis=(1, 2))
         exact = exact or compared
         told[way] = {
             'sent_a_run': mean_of(each(compared.sent)),

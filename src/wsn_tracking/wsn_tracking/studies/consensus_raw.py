@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from wsn_tracking.evaluation.consensus_runs import Scores, Worlds
 from wsn_tracking.evaluation.metrics import nees
 from wsn_tracking.filters import srckf
 from wsn_tracking.filters.belief import Belief
@@ -20,6 +19,7 @@ from wsn_tracking.models.graph import adjacency, reached
 from wsn_tracking.models.motion import constant_velocity
 from wsn_tracking.models.noise import white_acceleration
 from wsn_tracking.models.range_bearing import range_bearing_function
+from wsn_tracking.studies.consensus_runs import Scores, Worlds
 from wsn_tracking.trackers.consensus import Network
 from wsn_tracking.trackers.consensus_config import ConsensusConfig, arrival_of, loss_model_of
 

@@ -6,12 +6,12 @@ from typing import Any
 
 import numpy as np
 
-from wsn_tracking.evaluation import monte_carlo as mc
-from wsn_tracking.evaluation.intervals import change_of, mean_of, ratio_of
 from wsn_tracking.evaluation.metrics import ei
 from wsn_tracking.models.anchors import Floats
 from wsn_tracking.sensing import trigger
 from wsn_tracking.simulation.scenarios import scenario
+from wsn_tracking.studies import random_q_runs as runs_of
+from wsn_tracking.studies.intervals import change_of, mean_of, ratio_of
 from wsn_tracking.trackers.random_q_config import NoiseConfig, RandomQConfig, UpdateConfig
 
 Result = dict[str, Any]
@@ -34,28 +34,29 @@ class Circle:
         generator = np.random.default_rng(seed)
         self.scenario = scenario('a_circle')
         step = trigger.event(trigger.EventThresholds(alpha=self.scenario.alpha))
-        self.sensed = mc.sense(self.scenario, mc.repeated(self.scenario, runs), step, generator)
-        self.start = mc.start_near(self.sensed.states, generator)
+        self.sensed = runs_of.sense(self.scenario, runs_of.repeated(self.scenario, runs), step, generator)
+        self.start = runs_of.start_near(self.sensed.states, generator)
         self.uniform = generator.random((runs, ESTIMATORS, len(self.scenario.truth)))
 
     def fixed(self, q: float, r: str = 'measured') -> Floats:
         """EI (runs,) [m] of one filter whose q is fixed."""
-        tracks = mc.track(self.scenario, self.sensed, self.start, identity_noise(q, q, r))
-        return ei(mc.errors(tracks, self.sensed))[:, 0]
+        tracks = runs_of.track(self.scenario, self.sensed, self.start, identity_noise(q, q, r))
+        return ei(runs_of.errors(tracks, self.sensed))[:, 0]
 
-    def drawn(self, interval: tuple[float, float], r: str = 'measured') -> mc.Tracks:
+    def drawn(self, interval: tuple[float, float], r: str = 'measured') -> runs_of.Tracks:
         """Three filters whose q is drawn from an interval."""
-        return mc.track(self.scenario, self.sensed, self.start, identity_noise(*interval, r), self.uniform)
+        return runs_of.track(self.scenario, self.sensed, self.start, identity_noise(*interval, r), self.uniform)
 
-    def local(self, tracks: mc.Tracks) -> Floats:
+    def local(self, tracks: runs_of.Tracks) -> Floats:
         """EI (runs,) [m] of the estimators on the average."""
-        return np.asarray(ei(mc.errors(tracks, self.sensed)).mean(axis=1))
+        return np.asarray(ei(runs_of.errors(tracks, self.sensed)).mean(axis=1))
 
-    def fused(self, tracks: mc.Tracks, rule: str, runs: int | None = None) -> Floats:
+    def fused(self, tracks: runs_of.Tracks, rule: str, runs: int | None = None) -> Floats:
         """EI (runs,) [m] of their fusion; `runs`: of the first so many runs alone."""
         some = slice(0, runs)
         sensed = self.sensed._replace(states=self.sensed.states[some])
-        return ei(mc.errors(mc.fuse(mc.Tracks(*(column[some] for column in tracks)), rule), sensed))[:, 0]
+        chosen = runs_of.Tracks(*(column[some] for column in tracks))
+        return ei(runs_of.errors(runs_of.fuse(chosen, rule), sensed))[:, 0]
 
 
 def process_noise(runs: int = 1000, seed: int = 1) -> Result:

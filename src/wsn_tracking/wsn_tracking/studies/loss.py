@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
-from wsn_tracking.evaluation import loss_runs
-from wsn_tracking.evaluation.intervals import mean_of, ratio_of, short
-from wsn_tracking.evaluation.loss_runs import Scores, Worlds
 from wsn_tracking.models.anchors import Floats
 from wsn_tracking.models.links import Loss
+from wsn_tracking.studies import loss_runs
+from wsn_tracking.studies.intervals import mean_of, ratio_of, short
+from wsn_tracking.studies.loss_runs import Scores, Worlds
 from wsn_tracking.trackers.loss_tolerant_config import LossTolerantConfig
 
 Result = dict[str, Any]

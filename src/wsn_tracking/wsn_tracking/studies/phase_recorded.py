@@ -12,10 +12,10 @@ from wsn_tracking.bags.estimates import read_estimates
 from wsn_tracking.bags.read import read
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.evaluation.interpolation import truth_at
-from wsn_tracking.evaluation.phase_runs import PhaseRun
 from wsn_tracking.models.anchors import Floats
 from wsn_tracking.sensing.recording import Truth
 from wsn_tracking.simulation.driven import FIRST, SECOND, FollowConfig, phase_error
+from wsn_tracking.studies.phase_runs import PhaseRun
 from wsn_tracking.trackers.estimate import Estimate, Kind
 
 

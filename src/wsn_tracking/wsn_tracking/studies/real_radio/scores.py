@@ -10,7 +10,7 @@ from wsn_tracking.evaluation.run import summarise
 from wsn_tracking.evaluation.score import Score, pool
 from wsn_tracking.offline import offline
 from wsn_tracking.parameters import Values
-from wsn_tracking.real_radio.sets import Bags
+from wsn_tracking.studies.real_radio.sets import Bags
 
 Result = dict[str, Any]
 Scores = Sequence[Mapping[str, Score]]  # of each track, by output

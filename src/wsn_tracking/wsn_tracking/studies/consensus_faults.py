@@ -6,12 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from wsn_tracking.evaluation import consensus_runs as runs_of
-from wsn_tracking.evaluation.consensus_runs import Scores, Worlds, mode_accuracy
-from wsn_tracking.evaluation.study_consensus_schemes import Table, scored
 from wsn_tracking.models.anchors import Mask
 from wsn_tracking.models.graph import adjacency, component_sizes, is_connected
 from wsn_tracking.simulation.b_field import FieldConfig
+from wsn_tracking.studies import consensus_runs as runs_of
+from wsn_tracking.studies.consensus_runs import Scores, Worlds, mode_accuracy
+from wsn_tracking.studies.consensus_schemes import Table, scored
 from wsn_tracking.trackers.consensus_config import ArrivalConfig, ConsensusConfig, LinkConfig, ObservationConfig
 
 

@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 
-from wsn_tracking.evaluation.human_runs import Walks, sample, squares, track
-from wsn_tracking.evaluation.intervals import Figure, ratio_of
 from wsn_tracking.models.anchors import Floats
 from wsn_tracking.simulation.c_body import BodyConfig, CircleConfig, CorridorConfig, SpacingConfig
+from wsn_tracking.studies.human_runs import Walks, sample, squares, track
+from wsn_tracking.studies.intervals import Figure, ratio_of
 from wsn_tracking.trackers.human_config import (
     HumanConfig,
     MotionConfig,

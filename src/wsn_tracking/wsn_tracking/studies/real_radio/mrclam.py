@@ -1,6 +1,6 @@
 """System B on MRCLAM (docs/datasets.md): landmarks are nodes, each robot a run, judged at regular instants.
 
-    python -m wsn_tracking.real_radio.mrclam DATA -o docs/results
+    python -m wsn_tracking.studies.real_radio.mrclam DATA -o docs/results
 
 DATA holds the recordings, each in a folder of its own. Every node is judged; the figures are of the worst.
 """
@@ -18,7 +18,6 @@ import numpy as np
 from wsn_tracking import graphs
 from wsn_tracking.bags.epochs import with_epoch_ends
 from wsn_tracking.bags.importing import mrclam as importing
-from wsn_tracking.evaluation import study
 from wsn_tracking.evaluation.intermittent import FOUND_WITHIN_S, at_instants, found_again, heard_of
 from wsn_tracking.evaluation.run import Run
 from wsn_tracking.graphs.consensus import ConsensusPlan
@@ -26,11 +25,12 @@ from wsn_tracking.models.graph import adjacency, diameter, is_connected
 from wsn_tracking.node_parameters.consensus import ConsensusNodeConfig
 from wsn_tracking.offline import offline
 from wsn_tracking.parameters import build
-from wsn_tracking.real_radio.command import call
-from wsn_tracking.real_radio.sets import MRCLAM, find
 from wsn_tracking.sensing.recording import Recording
+from wsn_tracking.studies.real_radio.command import call
+from wsn_tracking.studies.real_radio.sets import MRCLAM, find
+from wsn_tracking.studies.results import make
 
-COMMAND = 'python -m wsn_tracking.real_radio.mrclam DATA -o docs/results'
+COMMAND = 'python -m wsn_tracking.studies.real_radio.mrclam DATA -o docs/results'
 CONFIGURATION = 'consensus_mrclam'
 
 
@@ -76,7 +76,7 @@ def robots(source: graphs.Source, recording: Recording) -> dict[str, Any]:
 def run(data: Path, folder: Path, wanted: Sequence[str] = ()) -> Path:
     """Make the table and write consensus_mrclam.json."""
     table = functools.wraps(robots)(functools.partial(robots, *open_mrclam(data)))
-    (path,) = study.run(folder, wanted, {'consensus_mrclam': {'robots': table}}, command=COMMAND)
+    (path,) = make(folder, wanted, {'consensus_mrclam': {'robots': table}}, command=COMMAND)
     return path
 
 

@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from wsn_tracking.evaluation import consensus_runs as runs_of
-from wsn_tracking.evaluation.consensus_raw import track_raw
-from wsn_tracking.evaluation.consensus_runs import Scores, Worlds, mean_nees, median_nees, rmse, traffic
 from wsn_tracking.fusion.weights import chebyshev_guard, contraction, metropolis
 from wsn_tracking.models.graph import adjacency, degrees
+from wsn_tracking.studies import consensus_runs as runs_of
+from wsn_tracking.studies.consensus_raw import track_raw
+from wsn_tracking.studies.consensus_runs import Scores, Worlds, mean_nees, median_nees, rmse, traffic
 from wsn_tracking.trackers.consensus_config import ConsensusConfig
 
 Row = dict[str, Any]

@@ -1,6 +1,6 @@
 """Two robots in phase as a picture: their tracks, and how far the second one is behind.
 
-python -m wsn_tracking.evaluation.plot_phase -o phase.png [--seed N]
+python -m wsn_tracking.studies.phase_plot -o phase.png [--seed N]
 """
 
 from __future__ import annotations
@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from wsn_tracking.errors import TrackingError
-from wsn_tracking.evaluation.phase_runs import PhaseConfig, PhaseRun, run
 from wsn_tracking.evaluation.plot_style import COLOURS, INK, MUTED, dress, heading, new_figure, save
 from wsn_tracking.simulation.d_cells import CellsConfig, nodes
+from wsn_tracking.studies.phase_runs import PhaseConfig, PhaseRun, run
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -63,7 +63,7 @@ def angular_speed(r: PhaseRun, robot: int) -> np.ndarray[tuple[int, ...], np.dty
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Entry point; the exit status."""
-    parser = argparse.ArgumentParser(prog='wsn_tracking.evaluation.plot_phase', description=__doc__.split('\n')[0])
+    parser = argparse.ArgumentParser(prog='wsn_tracking.studies.phase_plot', description=__doc__.split('\n')[0])
     parser.add_argument('-o', '--output', type=Path, required=True, metavar='FILE', help='PNG to write')
     parser.add_argument('--seed', type=int, default=1, help='of ranges and losses (default: 1)')
     parser.add_argument('--lasts', type=float, default=60.0, metavar='S', help='of the run (default: 60)')
@@ -72,7 +72,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         found = run(PhaseConfig(cells=CellsConfig(lasts=options.lasts)), options.seed)
         save(phase_figure(found, 'Two robots in phase by feedback over the network'), options.output)
     except TrackingError as error:
-        print(f'plot_phase: {error}', file=sys.stderr)
+        print(f'phase_plot: {error}', file=sys.stderr)
         return 1
     print(options.output)
     return 0

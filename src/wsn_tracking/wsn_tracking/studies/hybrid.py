@@ -12,12 +12,12 @@ from typing import Any
 
 import numpy as np
 
-from wsn_tracking.evaluation import hybrid_runs as runs_of
-from wsn_tracking.evaluation.hybrid_runs import Runs
-from wsn_tracking.evaluation.intervals import mean_of, ratio_of
 from wsn_tracking.models.anchors import Floats
 from wsn_tracking.simulation.d_cells import CellsConfig
 from wsn_tracking.simulation.scenarios import scenario
+from wsn_tracking.studies import hybrid_runs as runs_of
+from wsn_tracking.studies.hybrid_runs import Runs
+from wsn_tracking.studies.intervals import mean_of, ratio_of
 from wsn_tracking.trackers.hybrid_config import HybridConfig, MotionConfig, RobustConfig, StartConfig
 
 Result = dict[str, Any]

@@ -1,4 +1,4 @@
-"""The long runs of the real graph: `python -m wsn_tracking.live_study -o docs/results`.
+"""The long runs of the real graph: `python -m wsn_tracking.studies.live -o docs/results`.
 
 Parity: a replay gives what the evaluator computes, bit for bit, at every rate, repeated. Soak: a radio field at 20 Hz
 for a minute, with the timeouts of a live network. Consensus: how long 50 nodes of system B take to agree, T = 1 s, and
@@ -35,7 +35,7 @@ from wsn_tracking.simulation.scenario import Scenario
 from wsn_tracking.simulation.scenarios import scenario
 from wsn_tracking.trackers.estimate import Estimate
 
-COMMAND = 'python -m wsn_tracking.live_study -o docs/results'
+COMMAND = 'python -m wsn_tracking.studies.live -o docs/results'
 REPEATS = 20
 RATES = ((1.0, 10), (20.0, 120), (0.0, 120))  # rate (0: as fast as it goes), epochs
 SOAK_HZ, SOAK_S = 20.0, 60.0
@@ -201,7 +201,7 @@ STUDIES: Mapping[str, Any] = {'parity': parity, 'soak': soak, 'consensus': conse
 
 def main() -> None:
     """Run the studies that are named, or all, and keep the figures of the others."""
-    parser = argparse.ArgumentParser(prog='live_study', description='Run the long runs of the real graph.')
+    parser = argparse.ArgumentParser('wsn_tracking.studies.live', description='Run the long runs of the real graph.')
     parser.add_argument('-o', '--output', type=Path, required=True, help='folder for live.json')
     parser.add_argument('names', nargs='*', choices=[*STUDIES, []], help='studies (default: all)')
     options = parser.parse_args()

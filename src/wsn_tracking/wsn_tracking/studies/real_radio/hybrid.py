@@ -1,6 +1,6 @@
 """System D on ranges of real radios and cameras (docs/datasets.md, docs/hybrid.md).
 
-    python -m wsn_tracking.real_radio.hybrid DATA -o docs/results
+    python -m wsn_tracking.studies.real_radio.hybrid DATA -o docs/results
 
 DATA holds the recordings, each in a folder of its own.
 """
@@ -18,17 +18,17 @@ import numpy as np
 
 from wsn_tracking import graphs
 from wsn_tracking.bags.importing.run import import_set
-from wsn_tracking.evaluation import study
 from wsn_tracking.evaluation.intermittent import FOUND_WITHIN_S, at_instants, found_again, heard_of
 from wsn_tracking.evaluation.run import summarise
 from wsn_tracking.offline import offline
 from wsn_tracking.parameters import Values
-from wsn_tracking.real_radio.command import call
-from wsn_tracking.real_radio.scores import Result, short
-from wsn_tracking.real_radio.sets import MRCLAM, Bags, Sets, find
 from wsn_tracking.sensing.recording import Recording
+from wsn_tracking.studies.real_radio.command import call
+from wsn_tracking.studies.real_radio.scores import Result, short
+from wsn_tracking.studies.real_radio.sets import MRCLAM, Bags, Sets, find
+from wsn_tracking.studies.results import make
 
-COMMAND = 'python -m wsn_tracking.real_radio.hybrid DATA -o docs/results'
+COMMAND = 'python -m wsn_tracking.studies.real_radio.hybrid DATA -o docs/results'
 
 
 def of_labyrinth(bags: Bags, configuration: str = 'hybrid_labyrinth') -> Result:
@@ -84,7 +84,7 @@ def run(data: Path, folder: Path, wanted: Sequence[str] = ()) -> Path:
             'labyrinth': _named(of_labyrinth, lambda: of_labyrinth(Sets(data, Path(work)).bags('labyrinth'))),
             'mrclam': _named(of_robots, lambda: of_robots(*open_robots(data, Path(work)))),
         }
-        (path,) = study.run(folder, wanted, {'hybrid_real': tables}, command=COMMAND)
+        (path,) = make(folder, wanted, {'hybrid_real': tables}, command=COMMAND)
     return path
 
 

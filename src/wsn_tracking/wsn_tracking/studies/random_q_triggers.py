@@ -7,18 +7,18 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from wsn_tracking.evaluation import monte_carlo as mc
-from wsn_tracking.evaluation.intervals import mean_of, ratio_of
 from wsn_tracking.evaluation.metrics import ei
-from wsn_tracking.evaluation.study_process_noise import ESTIMATORS, identity_noise
 from wsn_tracking.models.anchors import Floats
 from wsn_tracking.sensing import trigger
 from wsn_tracking.simulation.scenario import Scenario
 from wsn_tracking.simulation.scenarios import BY_SEED, scenario
+from wsn_tracking.studies import random_q_runs as runs_of
+from wsn_tracking.studies.intervals import mean_of, ratio_of
+from wsn_tracking.studies.random_q_noise import ESTIMATORS, identity_noise
 from wsn_tracking.trackers.random_q_config import NoiseConfig, RandomQConfig, UpdateConfig
 
 Result = dict[str, Any]
-Radio = Callable[[Scenario, mc.Sensed], mc.Sensed]  # what is sent -> what arrives
+Radio = Callable[[Scenario, runs_of.Sensed], runs_of.Sensed]  # what is sent -> what arrives
 NEAR = {'a_loop': -46.9, 'a_circle': -44.5, 'a_heading': -47.8}  # [dBm] where `near` sends as much as `event`
 KINDS = ('event', 'near', 'random', 'always')
 DOCUMENT = identity_noise(6.0, 8.0)
@@ -41,9 +41,9 @@ class Compared(NamedTuple):
 def world(name: str, runs: int, paths: int) -> tuple[Scenario, Floats]:
     """A scenario and its walk in every run (runs, K, 4); of walks that are drawn, `paths` share the runs."""
     if name not in BY_SEED:
-        return (s := scenario(name)), mc.repeated(s, runs)
+        return (s := scenario(name)), runs_of.repeated(s, runs)
     drawn = [scenario(name, seed=path) for path in range(1, paths + 1)]
-    return drawn[0], np.concatenate([mc.repeated(s, runs // paths) for s in drawn])
+    return drawn[0], np.concatenate([runs_of.repeated(s, runs // paths) for s in drawn])
 
 
 def triggers_of(s: Scenario, share: float) -> dict[str, trigger.Trigger]:
@@ -56,7 +56,7 @@ def triggers_of(s: Scenario, share: float) -> dict[str, trigger.Trigger]:
     }
 
 
-def unchanged(s: Scenario, sensed: mc.Sensed) -> mc.Sensed:
+def unchanged(s: Scenario, sensed: runs_of.Sensed) -> runs_of.Sensed:
     """A radio that tells what was measured."""
     return sensed
 
@@ -64,17 +64,17 @@ def unchanged(s: Scenario, sensed: mc.Sensed) -> mc.Sensed:
 def compare(s: Scenario, states: Floats, step: trigger.Trigger, seed: int, radio: Radio = unchanged) -> Compared:
     """Both estimators over what a trigger sends; equal seeds have equal noise, starts and draws."""
     generator = np.random.default_rng(seed)
-    sensed = radio(s, mc.sense(s, states, step, generator))
-    start = mc.start_near(states, generator)
+    sensed = radio(s, runs_of.sense(s, states, step, generator))
+    start = runs_of.start_near(states, generator)
     uniform = generator.random((len(states), ESTIMATORS, states.shape[1]))
-    fused = mc.fuse(mc.track(s, sensed, start, DOCUMENT, uniform), 'trace')
-    one = mc.track(s, sensed, start, IPLF)
+    fused = runs_of.fuse(runs_of.track(s, sensed, start, DOCUMENT, uniform), 'trace')
+    one = runs_of.track(s, sensed, start, IPLF)
     return Compared(
         np.sum(~np.isnan(sensed.z), axis=(1, 2)).astype(np.float64),
-        ei(mc.errors(fused, sensed))[:, 0],
-        ei(mc.errors(one, sensed))[:, 0],
-        mc.position_nees(fused, sensed).mean(axis=(1, 2)),
-        mc.position_nees(one, sensed).mean(axis=(1, 2)),
+        ei(runs_of.errors(fused, sensed))[:, 0],
+        ei(runs_of.errors(one, sensed))[:, 0],
+        runs_of.position_nees(fused, sensed).mean(axis=(1, 2)),
+        runs_of.position_nees(one, sensed).mean(axis=(1, 2)),
     )
 
 
