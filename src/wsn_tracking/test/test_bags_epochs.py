@@ -189,6 +189,15 @@ def test_a_cut_recording_ends_with_its_last_whole_epoch():
     assert back.dropped == {'unfinished_epoch': 3}
 
 
+def test_an_epoch_whose_end_was_damaged_is_left_out_alone():
+    messages = complete()
+    messages.remove(ends_of(recording(messages))[1])
+    back = with_epoch_ends(recording(messages))
+    assert [end.request_seq for end in ends_of(back)] == [0, 2, 3]
+    assert {m.request_seq for m in without(back.messages, Request)} == {0, 2, 3}
+    assert back.dropped == {'unfinished_epoch': 4}
+
+
 def test_a_late_packet_of_a_closed_epoch_stays():
     late = measurement('rssi', START, 9, 0)
     back = with_epoch_ends(recording([*complete(), late]))

@@ -15,8 +15,8 @@ def with_epoch_ends(recording: Recording, tolerance_s: float = 0.05) -> Recordin
     """The recording with an EpochEnd for every epoch, the last one of each target final.
 
     A bag that has EpochEnds for its entry level keeps its messages and their order; what an EpochEnd lists
-    but the bag does not hold is taken from the list (`listed_missing`), and an epoch begun after the last
-    EpochEnd is left out (`unfinished_epoch`): the recording was cut there. Else they are derived:
+    but the bag does not hold is taken from the list (`listed_missing`), and an epoch without one is left out
+    (`unfinished_epoch`): the recording was cut there, or is damaged. Else they are derived:
 
     - with requests: measurements belong to the request that they name (to the nearest in time, where a restarted
       target has used its number again), or, where there is none, to the nearest in time within the tolerance;
@@ -55,10 +55,10 @@ def _completed(recording: Recording) -> Recording:
     dropped = {'listed_missing': 0, 'unfinished_epoch': 0, 'not_entry_level': 0}
     for place, message in enumerate(messages):
         if not isinstance(message, EpochEnd):
-            if epoch_key(message) not in ended and place > last.get(message.target_id, -1):
-                dropped['unfinished_epoch'] += 1
-            else:
+            if epoch_key(message) in ended:
                 out.append(message)
+            else:
+                dropped['unfinished_epoch'] += 1
         elif _level(message) != level:
             dropped['not_entry_level'] += 1
         else:
