@@ -12,8 +12,9 @@ from live import ROOT
 from wsn_tracking.cli import _parser
 from wsn_tracking.configuration import parse_setting
 from wsn_tracking.simulation.scenarios import SCENARIOS
-from wsn_tracking.studies.__main__ import STUDIES
-from wsn_tracking.studies.live import STUDIES as LIVE
+from wsn_tracking.studies import __main__ as by_runs
+from wsn_tracking.studies import live as live_graph
+from wsn_tracking.studies import serial
 from wsn_tracking.studies.real_radio.__main__ import TABLES
 
 PAGES = ['README.md', 'bags/README.md', *(f'docs/{path.name}' for path in sorted((ROOT / 'docs').glob('*.md')))]
@@ -21,9 +22,10 @@ TEXTS = {name: (ROOT / name).read_text('utf-8') for name in PAGES}
 TRACKING = ('evaluate', 'replay', 'plot')
 GENERAL = {'COMMAND', 'KIND', '[--bursts'}  # in words that tell how a command is called
 NAMES = {
-    'wsn_tracking.studies': {name for table in STUDIES.values() for name in table},
+    'wsn_tracking.studies': {name for table in by_runs.STUDIES.values() for name in table},
+    'wsn_tracking.studies.live': set(live_graph.STUDIES['live']),
+    'wsn_tracking.studies.serial': set(serial.STUDIES['serial']),
     'wsn_tracking.studies.real_radio': set(TABLES),
-    'wsn_tracking.studies.live': set(LIVE),
 }
 
 

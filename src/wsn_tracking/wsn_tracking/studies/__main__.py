@@ -8,12 +8,9 @@ and `real_radio`, which needs recordings.
 
 from __future__ import annotations
 
-import argparse
 import sys
-from collections.abc import Mapping, Sequence
-from pathlib import Path
+from collections.abc import Sequence
 
-from wsn_tracking.errors import TrackingError
 from wsn_tracking.studies import (
     human,
     human_parts,
@@ -25,11 +22,9 @@ from wsn_tracking.studies import (
     random_q_triggers,
     random_q_whole_db,
 )
-from wsn_tracking.studies.results import Study, make
+from wsn_tracking.studies.results import Studies, call
 
-COMMAND = 'python -m wsn_tracking.studies -o docs/results'
-
-STUDIES: Mapping[str, Mapping[str, Study]] = {  # file: its studies
+STUDIES: Studies = {
     'system_a': {
         'trigger_rate': random_q.trigger_rate,
         'update_forms': random_q.update_forms,
@@ -67,17 +62,7 @@ STUDIES: Mapping[str, Mapping[str, Study]] = {  # file: its studies
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Entry point; the exit status."""
-    parser = argparse.ArgumentParser(prog='wsn_tracking.studies', description='Run the long studies.')
-    parser.add_argument('names', nargs='*', metavar='NAME', help='studies to run (default: all)')
-    parser.add_argument('-o', '--output', type=Path, required=True, metavar='DIR', help='folder of the results')
-    options = parser.parse_args(arguments)
-    try:
-        for path in make(options.output, options.names, STUDIES, command=COMMAND):
-            print(path)
-    except TrackingError as error:
-        print(f'studies: {error}', file=sys.stderr)
-        return 1
-    return 0
+    return call('wsn_tracking.studies', 'Run the studies by many runs.', STUDIES, arguments)
 
 
 if __name__ == '__main__':

@@ -8,7 +8,6 @@ ROS domain: set ROS_DOMAIN_ID where others are about.
 
 from __future__ import annotations
 
-import argparse
 import contextlib
 import io
 import json
@@ -17,7 +16,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -26,16 +25,15 @@ import numpy as np
 from wsn_tracking import graphs, processes
 from wsn_tracking.bags.estimates import differences, read_estimates
 from wsn_tracking.bags.save import save
-from wsn_tracking.files import write_whole
 from wsn_tracking.offline import offline
 from wsn_tracking.processes import run_graph
 from wsn_tracking.sensing.recording import Recording
 from wsn_tracking.simulation.record import record
 from wsn_tracking.simulation.scenario import Scenario
 from wsn_tracking.simulation.scenarios import scenario
+from wsn_tracking.studies.results import Studies, call
 from wsn_tracking.trackers.estimate import Estimate
 
-COMMAND = 'python -m wsn_tracking.studies.live -o docs/results'
 REPEATS = 20
 RATES = ((1.0, 10), (20.0, 120), (0.0, 120))  # rate (0: as fast as it goes), epochs
 SOAK_HZ, SOAK_S = 20.0, 60.0
@@ -196,23 +194,14 @@ def _quietly(graph: tuple[graphs.Process, ...], last: list[str]) -> int:
         return run_graph(graph, last)
 
 
-STUDIES: Mapping[str, Any] = {'parity': parity, 'soak': soak, 'consensus': consensus, 'targets': targets}
+STUDIES: Studies = {'live': {'parity': parity, 'soak': soak, 'consensus': consensus, 'targets': targets}}
 
 
-def main() -> None:
-    """Run the studies that are named, or all, and keep the figures of the others."""
-    parser = argparse.ArgumentParser('wsn_tracking.studies.live', description='Run the long runs of the real graph.')
-    parser.add_argument('-o', '--output', type=Path, required=True, help='folder for live.json')
-    parser.add_argument('names', nargs='*', choices=[*STUDIES, []], help='studies (default: all)')
-    options = parser.parse_args()
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Entry point; the exit status. Each graph is this host's alone."""
     os.environ.setdefault('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')
-    path = options.output / 'live.json'
-    kept = json.loads(path.read_text('utf-8'))['studies'] if path.exists() else {}
-    for name in options.names or STUDIES:
-        kept[name] = {'what': (STUDIES[name].__doc__ or '').strip(), **STUDIES[name]()}
-    text = json.dumps({'command': COMMAND, 'studies': kept}, indent=2, sort_keys=True)
-    write_whole(path, text.encode() + b'\n')
+    return call('wsn_tracking.studies.live', 'Run the long runs of the real graph.', STUDIES, arguments)
 
 
 if __name__ == '__main__':
-    main()
+    sys.exit(main())

@@ -5,6 +5,7 @@ A study is a function without arguments that returns what is worth keeping: numb
 
 from __future__ import annotations
 
+import argparse
 import json
 import sys
 from collections.abc import Callable, Mapping, Sequence
@@ -15,15 +16,26 @@ from wsn_tracking.errors import TrackingError
 from wsn_tracking.files import write_whole
 
 Study = Callable[[], dict[str, Any]]
+Studies = Mapping[str, Mapping[str, Study]]  # file: its studies by name
 
 
-def make(
-    folder: Path,
-    wanted: Sequence[str],
-    studies: Mapping[str, Mapping[str, Study]],
-    *,
-    command: str,
-) -> list[Path]:
+def call(module: str, words: str, studies: Studies, arguments: Sequence[str] | None) -> int:
+    """Run a module's studies as a program; the exit status."""
+    parser = argparse.ArgumentParser(prog=module, description=words)
+    names = ', '.join(name for table in studies.values() for name in table)
+    parser.add_argument('names', nargs='*', metavar='NAME', help=f'studies to run (default: all): {names}')
+    parser.add_argument('-o', '--output', type=Path, required=True, metavar='DIR', help='folder of the results')
+    options = parser.parse_intermixed_args(arguments)
+    try:
+        for path in make(options.output, options.names, studies, command=f'python -m {module} -o docs/results'):
+            print(path)
+    except TrackingError as error:
+        print(f'{module.rpartition(".")[2]}: {error}', file=sys.stderr)
+        return 1
+    return 0
+
+
+def make(folder: Path, wanted: Sequence[str], studies: Studies, *, command: str) -> list[Path]:
     """Run the wanted studies (none: all) and write one file a table; figures of studies that are not run stay."""
     known = [name for table in studies.values() for name in table]
     for name in wanted:

@@ -6,7 +6,6 @@ as processes of their own; one more process notes when measurements arrive.
 
 from __future__ import annotations
 
-import argparse
 import json
 import os
 import random
@@ -25,11 +24,11 @@ import numpy as np
 from wsn_tracking import graphs, processes
 from wsn_tracking.airwaves import air_epochs
 from wsn_tracking.errors import TrackingError
-from wsn_tracking.files import write_whole
 from wsn_tracking.parameters import Values
 from wsn_tracking.simulation.record import record
 from wsn_tracking.simulation.scenarios import scenario
 from wsn_tracking.sink_thread import SinkThread
+from wsn_tracking.studies.results import Studies, call
 from wsn_tracking.zstack.commands import decode
 from wsn_tracking.zstack.motes import Message
 from wsn_tracking.zstack.parser import Parser
@@ -37,7 +36,6 @@ from wsn_tracking.zstack.payload import MAX_RECORDS, PayloadType
 from wsn_tracking.zstack.readings import AirEpoch
 from wsn_tracking.zstack.simulator_settings import SimulatorConfig
 
-COMMAND = 'python -m wsn_tracking.studies.serial -o docs/results'
 HERTZ, SECONDS = 10.0, 60.0
 NODES, ESTIMATORS = 12, 3
 RANDOM_BYTES = 10_000_000
@@ -151,24 +149,15 @@ def noise(count: int = RANDOM_BYTES) -> dict[str, Any]:
     return {'bytes': count, 'frames_by_chance': parser.counters['frames'], 'most_held_bytes': held}
 
 
-STUDIES: Mapping[str, Any] = {'end_to_end': end_to_end, 'noise': noise}
+STUDIES: Studies = {'serial': {'end_to_end': end_to_end, 'noise': noise}}
 
 
-def main() -> None:
-    """Run the studies that are named, or all, and keep the figures of the others."""
-    parser = argparse.ArgumentParser('wsn_tracking.studies.serial', description='Run the long runs of the serial line.')
-    parser.add_argument('-o', '--output', type=Path, required=True, help='folder for serial.json')
-    parser.add_argument('names', nargs='*', choices=[*STUDIES, []], help='studies (default: all)')
-    options = parser.parse_args()
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Entry point; the exit status. Each graph is this host's alone."""
     os.environ.setdefault('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')
     os.environ.setdefault('ROS_DOMAIN_ID', str(1 + os.getpid() % 99))  # nobody else's
-    path = options.output / 'serial.json'
-    kept = json.loads(path.read_text('utf-8'))['studies'] if path.exists() else {}
-    for name in options.names or STUDIES:
-        kept[name] = {'what': (STUDIES[name].__doc__ or '').strip(), **STUDIES[name]()}
-    text = json.dumps({'command': COMMAND, 'studies': kept}, indent=2, sort_keys=True)
-    write_whole(path, text.encode() + b'\n')
+    return call('wsn_tracking.studies.serial', 'Run the long runs of the serial line.', STUDIES, arguments)
 
 
 if __name__ == '__main__':
-    main()
+    sys.exit(main())
