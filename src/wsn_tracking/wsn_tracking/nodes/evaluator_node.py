@@ -12,6 +12,7 @@ from diagnostic_msgs.msg import DiagnosticArray
 from nav_msgs.msg import Odometry
 from wsn_tracking_msgs import msg
 
+from wsn_tracking.evaluation.compared import fused_by
 from wsn_tracking.evaluation.report_json import write_json
 from wsn_tracking.evaluation.score import Score, score
 from wsn_tracking.evaluation.summary import Summary, traffic
@@ -50,7 +51,8 @@ class EvaluatorNode(TrackingNode[EvaluatorConfig]):
         self._compared = compared(config.fusion) if len(self._locals) > 1 else ()
         self._truth: dict[int, list[tuple[int, Floats, Floats]]] = {target: [] for target in config.targets}
         self._reports: list[TriggerReport] = []
-        self._ends: dict[int, dict[int, int]] = {target: {} for target in config.targets}  # stamps by request_seq
+        # Stamps and numbers of the epochs: a target that was restarted, or a looped bag, has the same number again.
+        self._ends: dict[int, list[tuple[int, int]]] = {target: [] for target in config.targets}
         self._finals: dict[int, int] = {}  # the last epoch of each target
         self._last = time.monotonic()
         self._told: dict[str, dict[str, str]] = {}
@@ -88,7 +90,9 @@ class EvaluatorNode(TrackingNode[EvaluatorConfig]):
     def _end(self, end: EpochEnd, now: float) -> None:
         self._last = now
         if end.target_id in self._ends:
-            self._ends[end.target_id].setdefault(end.request_seq, end.stamp_ns)
+            ends, epoch = self._ends[end.target_id], (end.stamp_ns, end.request_seq)
+            if ends[-1:] != [epoch]:
+                ends.append(epoch)
             if end.final:
                 self._finals[end.target_id] = end.request_seq
             self.ended = len(self._finals) == len(self._ends)
@@ -152,16 +156,13 @@ class EvaluatorNode(TrackingNode[EvaluatorConfig]):
         """The outputs; behind those of system A what the mean and LCI make of the locals of each epoch."""
         own = {name: e for name, e in self._estimates.items() if name.startswith(('local_', 'fused_'))}
         every = {**own}
-        by_seq = [{e.request_seq: e for e in self._estimates[name]} for name in self._locals]
-        common = sorted(set.intersection(*(set(held) for held in by_seq))) if by_seq else []
         for fuser in self._compared:
-            fuser.reset()
-            every[fuser.source] = [fuser.step([held[seq] for held in by_seq]) for seq in common]
+            every[fuser.source] = fused_by(fuser, [self._estimates[name] for name in self._locals])
         return {**every, **self._estimates}
 
     def _summary(self) -> Summary:
         tracks = self._tracks()
-        starts = {target: min(stamps.values(), default=0) for target, stamps in self._ends.items()}
+        starts = {target: ends[0][0] if ends else 0 for target, ends in self._ends.items()}
         scores: dict[str, Score] = {}
         for name, estimates in self._every_output().items():
             track = tracks.get(estimates[0].target_id) if estimates else None
