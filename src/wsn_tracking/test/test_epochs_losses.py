@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections import Counter
 
 import pytest
-from epoch_cases import NODES, end, give, packet, report, stamp
+from epoch_cases import NODES, end, give, packet, report, stamp, unaccounted
 
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.sensing.epochs import EpochAssembler
-from wsn_tracking.sensing.values import Request
+from wsn_tracking.sensing.values import Epoch, Request
 
 
 def test_it_says_that_it_waits_for_the_first_request():
@@ -101,6 +101,26 @@ def test_where_nothing_may_be_missing_a_loss_is_an_error_that_names_it(lacking):
         assembler.closed(1.0)
     assert f'epoch 1 lacks {lacking}: nothing may be missing in a replay' in str(error.value)
     assert '`loss_timeout`' in str(error.value)
+
+
+def test_who_joins_a_lossless_feed_begins_with_the_first_epoch_that_is_whole():
+    """The list of epoch 4 was sent before it was there, the packets of 5 came on a topic that was matched later."""
+    assembler = EpochAssembler(NODES, loss_timeout=20.0, lossless=True)
+    whole = packet(2, 6, 6, 6.0)
+    give(assembler, Request(stamp(4), 1, 4), 10.0)
+    give(assembler, packet(1, 4, 4, 4.0), 10.0)
+    give(assembler, Request(stamp(5), 1, 5), 11.0)
+    give(assembler, end(5, [packet(2, 5, 5, 5.0)], 5.0), 11.0)
+    give(assembler, Request(stamp(6), 1, 6), 11.5)
+    give(assembler, end(6, [whole], 6.0), 11.5)
+    give(assembler, whole, 11.5)
+    assert assembler.closed(13.4) == []
+    assert assembler.closed(13.5) == [Epoch(1, 6, stamp(6), (whole,))]
+    give(assembler, packet(3, 4, 4, 4.0), 13.6)
+    assert {name: n for name, n in assembler.counters.items() if n} == {
+        'before_start': 5, 'used': 1, 'lists': 1, 'epochs': 1
+    }  # fmt: skip
+    assert unaccounted(assembler, 8) == 0
 
 
 def test_a_node_that_stops_reporting_is_not_waited_for_after_three_epochs_until_it_reports():

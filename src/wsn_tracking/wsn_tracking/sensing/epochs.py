@@ -19,6 +19,7 @@ from wsn_tracking.sensing.values import Epoch, EpochEnd, Measurement, Request, T
 MAX_LATE = 1000  # late messages held in case a new run's request is still to come
 MAX_AHEAD = 10_000  # messages of a new run held while the old one closes
 FORGET_AFTER = 3  # epochs without its report, and a node is no longer waited for
+JOINING = 2.0  # [s] what a reader of a running feed waits for an epoch whose first part it may have missed
 
 NO_LOSS = ('used', 'epochs', 'lists', 'late_list', 'other_node', 'renumbered')  # counters of what was not dropped
 
@@ -28,7 +29,8 @@ class EpochAssembler:
 
     roster: the nodes whose measurements count and whose lists are waited for. loss_timeout [s] of silence
     closes an epoch without what is missing and counts it (`lost`), or raises where `lossless` promises that
-    nothing can be missing. `counters` tells what was not used, by reason: every message is used (`used`
+    nothing can be missing. A reader that joins a running feed begins with the first epoch that it has whole.
+    `counters` tells what was not used, by reason: every message is used (`used`
     measurements, `lists`, a request an epoch), held, or counted under one reason.
 
     A new run begins with a request that falls back in time (`runs` grows: whoever tracks starts anew), or in
@@ -95,6 +97,10 @@ class EpochAssembler:
         out = []
         while (epoch := self._open.head) is not None:
             if epoch.lacks(self._awaited()):
+                if self._began_before(epoch, now):
+                    self._first = epoch.seq + 1
+                    self.counters['before_start'] += self._open.pop(epoch.seq).messages
+                    continue
                 if now - epoch.touched < self.loss_timeout and len(self._open) <= MAX_OPEN:
                     break
                 if self._ahead and falls_back(self._ahead[0], self._newest):
@@ -231,6 +237,13 @@ class EpochAssembler:
         if not self._unreported:
             return self.roster
         return self.roster - {node for node, n in self._unreported.items() if n >= FORGET_AFTER} or self.roster
+
+    def _began_before(self, epoch: OpenEpoch, now: float) -> bool:
+        """Whether part of it was sent before this reader was there, though nothing is lost: a later one is whole."""
+        if not self.lossless or self.counters['epochs'] or now - epoch.touched < JOINING:
+            return False
+        others = (self._open.get(seq) for seq in self._open.seqs)
+        return any(o is not None and not o.lacks(self.roster) and now - o.touched >= JOINING for o in others)
 
     def _count_loss(self, epoch: OpenEpoch) -> None:
         if self.lossless:
