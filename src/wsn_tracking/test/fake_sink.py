@@ -22,7 +22,7 @@ def script(state=9, product=0):
         c.SysVersion: [c.SysVersionRsp(2, product, 2, 6, 3)],
         c.UtilGetDeviceInfo: [c.UtilGetDeviceInfoRsp(0, IEEE, 0, 7, state)],
         c.ZdoStartup: [c.ZdoStartupRsp(0), c.ZdoStateChangeInd(8), c.ZdoStateChangeInd(9)],
-        c.AfRegister: [c.AfRegisterRsp(0)],
+        c.AfRegister: registering(),
         c.ZdoExtNwkInfo: [c.ZdoExtNwkInfoRsp(0, 9, 0x1A62, 0, 0xDDDD, 0, 11)],
         c.ZdoExtAddGroup: [c.ZdoExtAddGroupRsp(0)],
         c.ZdoMgmtLqiReq: [c.ZdoMgmtLqiReqRsp(0)],
@@ -32,6 +32,12 @@ def script(state=9, product=0):
         c.BdbStartCommissioning: [c.BdbStartCommissioningRsp(0), c.ZdoStateChangeInd(9)],
         c.AfDataRequest: lambda asked: [c.AfDataRequestRsp(0), c.AfDataConfirm(0, 0xE8, asked.trans_id)],
     }
+
+
+def registering():
+    """A sink that has not heard of our endpoint."""
+    statuses = iter((0,))
+    return lambda asked: [c.AfRegisterRsp(next(statuses, 0xB8))]
 
 
 class FakeSink:

@@ -56,7 +56,9 @@ def test_everything_is_counted_under_its_name():
     assert host.intake.counters.keys() == set(COUNTERS)
 
 
-@pytest.mark.parametrize('event', [SysResetInd(2, 2, 0, 2, 6, 3), LinkEvent('opened', '/dev/pts/1')])
+@pytest.mark.parametrize(
+    'event', [SysResetInd(2, 2, 0, 2, 6, 3), LinkEvent('opened', '/dev/pts/1'), LinkEvent('restarted')]
+)
 def test_clock_begins_anew_with_the_sink(event):
     host = Host()
     host.hear(1, 0.0)

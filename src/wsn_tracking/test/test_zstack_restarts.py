@@ -2,7 +2,7 @@
 
 import dataclasses
 
-from fake_sink import IEEE, script
+from fake_sink import registering, script
 from session_cases import FAST, IMPATIENT, data
 
 from wsn_tracking.zstack import commands as c
@@ -35,11 +35,26 @@ def test_restart_of_which_the_line_told_nothing_is_found_out(sink, host):
     """The sink's word was lost: it answers pings, its network is down, and it has forgotten our endpoint."""
     up = host(timeout=dataclasses.replace(FAST, idle=0.05))
     up.wait_up()
-    sink.answers[c.UtilGetDeviceInfo] = [c.UtilGetDeviceInfoRsp(0, IEEE, 0xFFFE, 7, 0)]
-    sink.answers[c.AfRegister] = lambda asked: [sink.answers.update(script()) or c.AfRegisterRsp(0)]
+    forgetful = script()
+    forgetful[c.UtilGetDeviceInfo] = lambda asked: script(9 if sink.questions(c.ZdoStartup) else 0)[type(asked)]
+    forgetful[c.ZdoExtNwkInfo] = [data(0), *forgetful[c.ZdoExtNwkInfo]]
+    sink.answers = forgetful
     sink.wait_asked(c.ZdoStartup)
     up.wait_up(2)
     assert (up.counted('resets'), up.counted('found_down'), up.counted('lost')) == (0, 1, 0)
+    kinds = [getattr(r.item, 'kind', type(r.item).__name__) for r in up.received]
+    assert kinds == ['opened', 'up', 'restarted', 'ZdoStateChangeInd', 'ZdoStateChangeInd', 'Report', 'up']
+
+
+def test_sink_that_came_back_by_itself_and_has_forgotten_us_is_found_out(sink, host):
+    """Its network is up again, so that nothing but our endpoint is missing."""
+    up = host(timeout=dataclasses.replace(FAST, idle=0.05))
+    up.wait_up()
+    sink.answers[c.AfRegister] = registering()
+    up.wait_up(2)
+    sink.wait_asked(c.SysPing, len(sink.questions(c.SysPing)) + 3)
+    assert (up.counted('found_down'), up.counted('attached'), up.counted('lost')) == (1, 2, 0)
+    assert not sink.questions(c.ZdoStartup)
 
 
 def test_mute_sink_is_lost_after_three_pings_and_opened_for_ever(sink, host):

@@ -14,17 +14,19 @@ from wsn_tracking.zstack.commands import (
     UtilGetDeviceInfoRsp,
 )
 from wsn_tracking.zstack.dialogue import Dialogue
+from wsn_tracking.zstack.protocols import Radio
 from wsn_tracking.zstack.queues import Outbox
-from wsn_tracking.zstack.startup import ping
+from wsn_tracking.zstack.startup import ping, register
 
 Questions = deque[tuple[Command, type[Command]]]
 
 
 class Watchdog:
-    """Pings a silent sink; after so many misses it is lost. One whose network is down has restarted unheard."""
+    """Pings a silent sink; after so many misses it is lost. One that forgot its network or us has restarted unheard."""
 
-    def __init__(self, dialogue: Dialogue) -> None:
+    def __init__(self, dialogue: Dialogue, radio: Radio) -> None:
         self._dialogue = dialogue
+        self._radio = radio
         self._misses = 0
         self._pinged = 0.0
 
@@ -51,16 +53,21 @@ class Watchdog:
             dialogue.counters['pings_missed'] += 1
             if self._misses >= dialogue.timeout.misses:
                 raise TrackingError(f'the sink has not answered {self._misses} pings: is it still there?') from None
-        else:
-            self._look_at_network()
+            return True
+        if self._has_forgotten():
+            dialogue.counters['found_down'] += 1
+            dialogue.restarted = True
         return True
 
-    def _look_at_network(self) -> None:
-        """The line may have lost what a sink said when it restarted: without its network no message will come."""
+    def _has_forgotten(self) -> bool:
+        """The line may have lost what a sink said when it restarted: without network or endpoint no message comes."""
         device = _try(self._dialogue, UtilGetDeviceInfo(), UtilGetDeviceInfoRsp)
         if isinstance(device, UtilGetDeviceInfoRsp) and device.state != COORDINATOR_UP:
-            self._dialogue.counters['found_down'] += 1
-            self._dialogue.restarted = True
+            return True
+        try:
+            return register(self._dialogue, self._radio)
+        except TrackingError:
+            return False
 
 
 def speak(dialogue: Dialogue, outbox: Outbox, questions: Questions) -> bool:

@@ -70,7 +70,7 @@ class Intake:
     def take(self, received: Received) -> Taken | None:
         """What a report means; None for everything else."""
         item, arrival_ns = received
-        if isinstance(item, SysResetInd) or (isinstance(item, LinkEvent) and item.kind in {'opened', 'up'}):
+        if isinstance(item, SysResetInd) or (isinstance(item, LinkEvent) and item.kind in {'opened', 'restarted'}):
             self._sink = SinkClock()
         if not isinstance(item, Report):
             return None

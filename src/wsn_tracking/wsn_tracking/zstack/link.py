@@ -9,7 +9,7 @@ from wsn_tracking.zstack.startup import Sink
 
 
 class LinkEvent(NamedTuple):
-    """Comes among the reports: `opened` (the sink may have lost power: its clock is new), `up`, or `lost` and why."""
+    """Comes among the reports: `opened`, `restarted` (the sink's clock is new), `up`, or `lost` and why."""
 
     kind: str
     words: str = ''

@@ -133,10 +133,11 @@ class Session:
                 dialogue.listen(time.monotonic() + config.timeout.idle)
         self._probe(dialogue)
         self._attach(dialogue)
-        watchdog = Watchdog(dialogue)
+        watchdog = Watchdog(dialogue, config.radio)
         while True:
             if dialogue.restarted:
                 self._outbox.forget()
+                self._deliver(LinkEvent('restarted'), time.monotonic_ns())
                 self._attach(dialogue)
             # Whatever is said lets things come in: they are looked at before the line is waited for.
             elif not speak(dialogue, self._outbox, self._questions) and not watchdog.look():
