@@ -17,9 +17,9 @@ TIMEOUT = 60.0  # [s]
 
 
 @contextmanager
-def alone(folder):
-    """A recorder without a feed that has got two readings: its process, and the publisher that ends its epochs."""
-    recorder = graphs.Process('bag_recorder_node', RECORDER, {'output': str(folder), 'loss_timeout': 0.2})
+def alone(folder, **settings):
+    """A recorder without a feed that has got two readings: its process, who ends their epoch, and an observer."""
+    recorder = graphs.Process('bag_recorder_node', RECORDER, {'output': str(folder), 'loss_timeout': 0.2, **settings})
     with (
         live.private_domain() as environment,
         observing(environment) as observer,
@@ -31,11 +31,11 @@ def alone(folder):
         for seq in (4, 6):
             readings.publish(msg.RssiMeasurement(node_id=seq, target_id=1, seq=seq, rssi_dbm=-50.0))
         observer.until(lambda: observer.told(f'/{RECORDER}').get('rssi') == '2', TIMEOUT, 'two readings')
-        yield running[RECORDER], ends
+        yield running[RECORDER], ends, observer
 
 
 def test_a_recorder_says_what_was_listed_and_has_not_come(tmp_path):
-    with alone(tmp_path / 'out') as (recorder, ends):
+    with alone(tmp_path / 'out') as (recorder, ends, _):
         ends.publish(msg.EpochEnd(target_id=1, topic='rssi', node_ids=[4, 5, 6], seqs=[4, 5, 6], final=True))
         output, _ = recorder.communicate(timeout=TIMEOUT)
     assert recorder.returncode == 1
@@ -44,9 +44,39 @@ def test_a_recorder_says_what_was_listed_and_has_not_come(tmp_path):
 
 
 def test_an_interrupted_recorder_finishes_its_bag_and_says_what_it_holds(tmp_path):
-    with alone(tmp_path / 'out') as (recorder, _):
+    with alone(tmp_path / 'out') as (recorder, *_):
         recorder.send_signal(signal.SIGINT)
         output, _ = recorder.communicate(timeout=TIMEOUT)
     assert recorder.returncode == 0
     assert output.strip() == f"{tmp_path / 'out'}: {{'rssi': 2}}"
     assert 'message_count: 2' in (tmp_path / 'out' / 'metadata.yaml').read_text()
+
+
+def test_a_recorder_of_estimates_waits_for_the_last_one(tmp_path):
+    """However long a tracker takes: silence ends the recording only once the final epoch is answered."""
+    patient = {'extra_topics': ['estimate/slow'], 'silence': 0.01, 'loss_timeout': TIMEOUT}
+    with alone(tmp_path / 'out', **patient) as (recorder, ends, observer):
+        estimates = observer.node.create_publisher(msg.TargetEstimate, 'estimate/slow', qos.ESTIMATES)
+        requests = observer.node.create_publisher(msg.LocationRequest, 'request', qos.FED)
+        observer.until(
+            lambda: estimates.get_subscription_count() and requests.get_subscription_count(), TIMEOUT, RECORDER
+        )
+        requests.publish(msg.LocationRequest(target_id=1, seq=7))
+        listed = {'topic': 'rssi', 'node_ids': [4, 6], 'seqs': [4, 6]}
+        ends.publish(msg.EpochEnd(target_id=1, request_seq=7, final=True, **listed))
+        estimates.publish(msg.TargetEstimate(target_id=1, request_seq=6))
+        observer.until(lambda: observer.told(f'/{RECORDER}').get('estimate/slow') == '1', TIMEOUT, 'the first one')
+        assert recorder.poll() is None  # far longer than `silence`
+        estimates.publish(msg.TargetEstimate(target_id=1, request_seq=7))
+        output, _ = recorder.communicate(timeout=TIMEOUT)
+    assert recorder.returncode == 0, output
+    assert "'estimate/slow': 2" in output
+    assert 'final epoch' not in output
+
+
+def test_a_recorder_says_which_estimates_did_not_come_to_the_end(tmp_path):
+    with alone(tmp_path / 'out', extra_topics=['estimate/none']) as (recorder, ends, _):
+        ends.publish(msg.EpochEnd(target_id=1, request_seq=7, topic='rssi', final=True))
+        output, _ = recorder.communicate(timeout=TIMEOUT)
+    assert recorder.returncode == 1
+    assert 'estimate/none did not reach the final epoch of its target: {1: 7}' in output

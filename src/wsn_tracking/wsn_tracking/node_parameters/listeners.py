@@ -21,7 +21,7 @@ class RecorderConfig:
     metadata: tuple[str, ...] = param(('',), 'key=value entries for the metadata of the bag')
     silence: float = param(1.0, 'after the final epoch: silence that ends the recording', 's', 1e-2, 3600.0)
     loss_timeout: float = param(
-        6.0, 'the same while something that the feed has listed has not come', 's', 1e-2, 3600.0
+        6.0, 'the same while what the feed has listed, or a last estimate, has not come', 's', 1e-2, 3600.0
     )
 
 

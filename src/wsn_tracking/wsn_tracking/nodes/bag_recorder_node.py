@@ -46,6 +46,8 @@ class BagRecorderNode(TrackingNode[RecorderConfig]):
         self._listed: Counter[str] = Counter()  # what the feed says that it has sent
         self._newest: dict[int, int] = {}  # target_id -> request_seq of its last list; a repeated one asks for nothing
         self._going: set[int] = set()  # targets whose feed has not ended
+        self._finals: dict[int, int] = {}  # the last epoch of each target whose feed has ended
+        self._estimates = {topic: b'' for topic in kinds if topic.startswith('estimate/')}  # the last one of each
         self._ended = False
         self._last = time.monotonic()
         for topic, kind in kinds.items():
@@ -63,12 +65,16 @@ class BagRecorderNode(TrackingNode[RecorderConfig]):
             self._last = time.monotonic()
             self._counts[topic] += 1
             self._writer.write_raw(topic, type_name, cdr, time.time_ns())
-            if topic == 'epoch_end':
+            if topic in self._estimates:
+                self._estimates[topic] = cdr
+            elif topic == 'epoch_end':
                 end = deserialize_message(cdr, msg.EpochEnd)
                 self._listed[end.topic] += len(end.seqs)
                 self._listed['request'] += self._newest.get(end.target_id) != end.request_seq
                 self._newest[end.target_id] = end.request_seq
                 (self._going.discard if end.final else self._going.add)(end.target_id)
+                if end.final:
+                    self._finals[end.target_id] = end.request_seq
                 self._ended = not self._going
 
         profile = qos.LATCHED_LAST if topic == 'anchors' else qos.FED
@@ -78,7 +84,8 @@ class BagRecorderNode(TrackingNode[RecorderConfig]):
     def _finish(self) -> None:
         silence = time.monotonic() - self._last
         if self._ended and silence > self.config.silence:
-            missing = self._missing  # the middleware repeats what a reader that stood still has not taken, in its time
+            # in its time, the middleware repeats what a reader that stood still has not taken; trackers may be slow
+            missing = bool(self._missing or self._behind)
             if not missing or silence > self.config.loss_timeout:
                 raise Finished(1 if missing else 0)
 
@@ -88,6 +95,15 @@ class BagRecorderNode(TrackingNode[RecorderConfig]):
         missing = self._listed - self._counts
         return {topic: count for topic, count in missing.items() if topic in self._topics()}
 
+    @property
+    def _behind(self) -> list[str]:
+        """Topics of estimates that are recorded and have not come to the last epoch of their target."""
+        return [topic for topic, cdr in self._estimates.items() if not cdr or not self._is_final(cdr)]
+
+    def _is_final(self, cdr: bytes) -> bool:
+        estimate = deserialize_message(cdr, msg.TargetEstimate)
+        return self._finals.get(estimate.target_id) == estimate.request_seq
+
     def destroy_node(self) -> None:
         """Finalise the bag, whatever ended the node."""
         try:
@@ -96,6 +112,8 @@ class BagRecorderNode(TrackingNode[RecorderConfig]):
             print(f'{self.config.output}: {dict(self._counts)}')
             for topic, count in self._missing.items():
                 print(f'{topic}: {count} of {self._listed[topic]} messages have not come', file=sys.stderr)
+            for topic in self._behind if self._ended else ():
+                print(f'{topic} did not reach the final epoch of its target: {self._finals}', file=sys.stderr)
         finally:
             super().destroy_node()
 
