@@ -57,6 +57,17 @@ def test_sink_that_came_back_by_itself_and_has_forgotten_us_is_found_out(sink, h
     assert not sink.questions(c.ZdoStartup)
 
 
+def test_sink_whose_answer_was_lost_may_have_forgotten_us(sink, host):
+    """It has heard that we are here, and speaks: its clock may be a new one."""
+    up = host(timeout=dataclasses.replace(FAST, idle=0.05, reply=0.1))
+    up.wait_up()
+    sink.answers[c.AfRegister] = lambda asked: sink.answers.update({c.AfRegister: registering()}) or []
+    up.wait_up(2)
+    kinds = [r.item.kind for r in up.received]
+    assert kinds == ['opened', 'up', 'restarted', 'up']
+    assert (up.counted('found_down'), up.counted('attached'), up.counted('lost')) == (0, 2, 0)
+
+
 def test_mute_sink_is_lost_after_three_pings_and_opened_for_ever(sink, host):
     up = host(timeout=IMPATIENT)
     up.wait_up()

@@ -98,7 +98,7 @@ def attach(dialogue: Dialogue, radio: Radio, multicast_group: int = 0) -> ZdoExt
     device = device_info(dialogue)
     if device is None or device.state != COORDINATOR_UP:
         start(dialogue)
-    register(dialogue, radio)
+    register(dialogue, radio, dialogue.timeout.tries)
     if multicast_group:
         group = ZdoExtAddGroup(radio.endpoint, multicast_group)
         status = dialogue.ask(group, ZdoExtAddGroupRsp, tries=dialogue.timeout.tries).status
@@ -107,10 +107,10 @@ def attach(dialogue: Dialogue, radio: Radio, multicast_group: int = 0) -> ZdoExt
     return network_info(dialogue)
 
 
-def register(dialogue: Dialogue, radio: Radio) -> bool:
+def register(dialogue: Dialogue, radio: Radio, tries: int = 1) -> bool:
     """Have our messages passed on; whether the sink did not do so before."""
     question = AfRegister(radio.endpoint, radio.profile, in_clusters=(radio.cluster,))
-    status = dialogue.ask(question, AfRegisterRsp, tries=dialogue.timeout.tries).status
+    status = dialogue.ask(question, AfRegisterRsp, tries=tries).status
     if status != 0 and status not in ALREADY_REGISTERED:
         raise TrackingError(f'the sink refuses to register endpoint {radio.endpoint:#04x} (status {status:#04x})')
     return status == 0
