@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from wsn_tracking.filters.belief import Belief
-from wsn_tracking.filters.linalg import transpose
+from wsn_tracking.filters.linalg import product, transpose
 from wsn_tracking.models.anchors import Floats
 from wsn_tracking.models.measurement import Function
 
@@ -19,7 +19,11 @@ def points(belief: Belief, kappa: float = 0.0) -> Floats:
     kappa > 0 is the unscented rule: points further out, and the mean as one more, with weight kappa / (n + kappa).
     """
     m, S = belief
-    return m[..., None, :] + _rule(m.shape[-1], kappa).directions @ np.ascontiguousarray(transpose(S))
+    n = m.shape[-1]
+    root_and_mean = np.empty((*m.shape[:-1], n + 1, n))
+    root_and_mean[..., :n, :] = transpose(S)
+    root_and_mean[..., n, :] = m
+    return product(_rule(n, kappa).directions, root_and_mean)
 
 
 class Regression(NamedTuple):
@@ -62,13 +66,13 @@ def regress(h: Function, belief: Belief, kappa: float = 0.0) -> Regression:
     elsewhere all read the same, which is the centre of the smaller rule, and every moment stays as it was.
     """
     n = belief.m.shape[-1]
-    return Regression(_rule(n, kappa).combinations @ h(points(belief, kappa)), n)
+    return Regression(product(_rule(n, kappa).combinations, h(points(belief, kappa))), n)
 
 
 class _Rule(NamedTuple):
     """The rule as two matrices."""
 
-    directions: Floats  # (K, n): points less the mean, against the root
+    directions: Floats  # (K, n + 1): the points, against the columns of the root and the mean
     combinations: Floats  # (2n + 1, K): the rows of a Regression, of the readings at the points
 
 
@@ -85,7 +89,8 @@ def _rule(n: int, kappa: float) -> _Rule:
     odd = scale * eye[::-1]
     pairs = np.block([[scale * even, scale * even], [odd, -odd], [0.5 / (n + kappa) * one] * 2])
     middle = np.concatenate([np.full(n, -2.0 * scale * centre), np.zeros(n), [kappa / (n + kappa)]])
-    directions = np.sqrt(n + kappa) * np.concatenate([eye, -eye])
+    away = np.sqrt(n + kappa) * eye
+    directions = np.block([[away, one.T], [-away, one.T], [0.0 * one, 1.0]])
     if kappa == 0.0:
-        return _Rule(directions, pairs)
-    return _Rule(np.concatenate([directions, np.zeros((1, n))]), np.column_stack([pairs, middle]))
+        return _Rule(directions[:-1], pairs)
+    return _Rule(directions, np.column_stack([pairs, middle]))

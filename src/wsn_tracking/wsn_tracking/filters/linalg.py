@@ -45,6 +45,18 @@ def solve(L: Floats, b: Floats) -> Floats:
     return np.linalg.solve(L, b[..., None])[..., 0]
 
 
+def product(A: Floats, B: Floats) -> Floats:
+    """A B for matrices A (..., m, k) and B (..., k, n): of two alone, `dot` takes a third of the time of `@`."""
+    return A.dot(B) if A.ndim == B.ndim == 2 else A @ B
+
+
+def gramian(A: Floats) -> Floats:
+    """A A' for matrices A (..., n, k): with a transposed view, NumPy would compute one triangle, slowly."""
+    return product(A, np.ascontiguousarray(transpose(A)))
+
+
 def matvec(A: Floats, b: Floats) -> Floats:
     """A b for matrices A (..., m, n) and vectors b (..., n)."""
-    return b @ A.T if A.ndim == 2 else (A @ b[..., None])[..., 0]
+    if A.ndim == 2:
+        return b.dot(A.T) if b.ndim <= A.ndim else b @ A.T
+    return (A @ b[..., None])[..., 0]

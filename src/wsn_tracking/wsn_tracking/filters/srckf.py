@@ -94,7 +94,7 @@ def condition(prior: Belief, z: Floats, r: Regression, root_R: Floats, form: str
 
 def _trusted_or(fast: Belief, trusted: Mask, exact: Callable[[], Belief]) -> Belief:
     """The fast belief, and the exact one where any of its pivots (..., k) is not to be trusted."""
-    if all(trusted.tolist()) if trusted.ndim == 1 else trusted.all():
+    if 0 not in trusted.tobytes():  # a tenth of what `all` takes
         return fast
     m, chol_P = exact()
     every = np.asarray(trusted.all(axis=-1))[..., None]
