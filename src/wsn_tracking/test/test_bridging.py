@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from zstack_cases import properties
 
 from wsn_tracking.bridging import TARGETS, Bridge, Rules
+from wsn_tracking.sensing.average import usable
 from wsn_tracking.sensing.values import EpochEnd, Modality, Range, Reason, Request, Rssi, TriggerReport
 from wsn_tracking.zstack.duplicates import Verdict
 from wsn_tracking.zstack.intake import Taken
@@ -130,6 +131,13 @@ def test_a_range_keeps_no_variance_that_was_not_told():
     payload = Payload(PayloadType.RANGE, 5, 2, 0, (RangeRecord(9, 0, 1000, 0, 4),))
     measured = next(v for v in b.take(taken(payload, 0), 0) if isinstance(v, Range))
     assert math.isnan(measured.variance)
+
+
+def test_whole_decibels_that_are_all_alike_are_not_free_of_error():
+    b = bridge()
+    measured = list(b.take(taken(rssi(3, 1, RssiRecord(1, 0, -50, 5, 0.0, beacon_seq=1)), 0), 0))[1]
+    assert math.isnan(measured.sigma_db)
+    assert usable(measured)
 
 
 def test_memory_is_bounded_whatever_robots_are_told_of():

@@ -28,7 +28,16 @@ def test_ranges_arrive_in_millimetres():
 
 def test_range_that_no_record_holds_is_an_error():
     with pytest.raises(TrackingError, match='range of 70'):
-        Host([AirEpoch(0.0, 1, 0, (Reading(5, range_m=70.0),))]).run()
+        Host([AirEpoch(0.0, 1, 0, (Reading(5, range_m=70.0),))])
+
+
+@pytest.mark.parametrize(
+    ('payload', 'reading'),
+    [('range', Reading(5, rssi_dbm=-60.0)), ('rssi', Reading(5, range_m=1.0)), ('worn', Reading(5, range_m=1.0))],
+)
+def test_what_was_not_measured_is_refused_before_a_host_comes(payload, reading):
+    with pytest.raises(TrackingError, match=f'traffic.payload {payload}: .* choose .*auto'):
+        Host([AirEpoch(0.0, 1, 0, (reading,))], traffic=dataclasses.replace(QUIET, payload=payload))
 
 
 def test_worn_node_tells_of_its_references_in_several_messages():

@@ -125,7 +125,7 @@ class Bridge:
             return Range(stamp, node, target, number, seq, self._rules.modality, record.range_mm * 1e-3, variance)
         if record.rssi_dbm is None:
             return None
-        sigma = NAN if record.sigma_db is None else record.sigma_db
+        sigma = record.sigma_db or NAN  # whole dB that are all alike have no spread, and are no surer for it
         return Rssi(stamp, node, target, number, seq, float(record.rssi_dbm), sigma, max(record.n_samples, 1))
 
     def _list(self, target: int, seq: int, value: Rssi | Range, on_board: bool) -> None:

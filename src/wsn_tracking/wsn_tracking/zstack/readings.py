@@ -46,7 +46,9 @@ def rssi_record(reading: Reading, robot_id: int, age_ms: int, beacon: int) -> Rs
 
 def range_record(reading: Reading, robot_id: int, age_ms: int, beacon: int) -> RangeRecord:
     """The record of a range, in mm."""
-    if reading.range_m is None or not 0.0 <= reading.range_m <= MAX_RANGE_MM * 1e-3:
+    if reading.range_m is None:
+        raise TrackingError(f'traffic.payload range: node {reading.node_id} has measured none, choose rssi or auto')
+    if not 0.0 <= reading.range_m <= MAX_RANGE_MM * 1e-3:
         raise TrackingError(
             f'node {reading.node_id} has measured a range of {reading.range_m} m: expected 0 to {MAX_RANGE_MM * 1e-3} m'
         )

@@ -11,7 +11,7 @@ from wsn_tracking.zstack.frames import encode_frame
 from wsn_tracking.zstack.lines import encode_line
 from wsn_tracking.zstack.motes import Message
 from wsn_tracking.zstack.protocols import Radio
-from wsn_tracking.zstack.readings import AirEpoch
+from wsn_tracking.zstack.readings import AirEpoch, range_record
 from wsn_tracking.zstack.reports import Report
 
 Uplink = Callable[[Message, float], list[bytes]]  # message and time -> what is written, each as a whole
@@ -27,12 +27,15 @@ def uplink_of(protocol: str, device: Device, radio: Radio) -> Uplink:
 
 
 def check_carries(protocol: str, payload: str, epochs: Sequence[AirEpoch]) -> None:
-    """TrackingError where that kind of sink cannot carry what is to be sent."""
-    if protocol != 'ascii':
-        return
-    ranges = any(reading.rssi_dbm is None for epoch in epochs for reading in epoch.readings)
-    if payload in {'range', 'worn'} or (payload == 'auto' and ranges):
+    """TrackingError where what is to be sent was not measured, fits no record, or is nothing for that kind of sink."""
+    readings = [reading for epoch in epochs for reading in epoch.readings]
+    ranges = [r for r in readings if payload == 'range' or (payload == 'auto' and r.rssi_dbm is None)]
+    if protocol == 'ascii' and (payload in {'range', 'worn'} or ranges):
         raise TrackingError('sink_protocol ascii carries signal strengths of robots only: choose znp or mt_app')
+    for reading in ranges:
+        range_record(reading, 0, 0, 0)
+    if payload in {'rssi', 'worn'} and readings and all(reading.rssi_dbm is None for reading in readings):
+        raise TrackingError(f'traffic.payload {payload}: no signal strength was measured, choose range or auto')
 
 
 def _znp_frames(message: Message, now: float, device: Device, radio: Radio) -> list[bytes]:
