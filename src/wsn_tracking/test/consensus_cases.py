@@ -30,7 +30,7 @@ def dense_moments(m, P, position):
     return z_hat, (Z - z_hat).T @ (Z - z_hat) / len(X), (X - m).T @ (Z - z_hat) / len(X)
 
 
-def dense_contribution(m, P, position, z, pi_1, loss='uniform', printed=False):
+def dense_contribution(m, P, position, z, pi_1, loss='uniform', omega_weight=1.0):
     """i, I and mu of one node that reads both range and bearing (seed 002, eq. 16 to 21)."""
     z_hat, P_zz, P_xz = dense_moments(m, P, position)
     H = (np.linalg.inv(P) @ P_xz).T
@@ -39,7 +39,7 @@ def dense_contribution(m, P, position, z, pi_1, loss='uniform', printed=False):
     l1 = density(v, P_zz + R)
     l0 = {'uniform': -np.log(2 * np.pi * R_MAX), 'zero': density(z, R), 'absent': -np.inf}[loss]
     mu = 1.0 / (1.0 + np.exp(np.clip(l0 - l1 + np.log((1 - pi_1) / pi_1), -700, 700)))
-    noise = R if printed else R + P_zz - H @ P @ H.T
+    noise = R + omega_weight * (P_zz - H @ P @ H.T)
     return mu * H.T @ np.linalg.solve(noise, v + H @ m), mu * H.T @ np.linalg.solve(noise, H), mu
 
 
@@ -47,7 +47,7 @@ def density(v, S):
     return -0.5 * (v @ np.linalg.solve(S, v) + np.log(np.linalg.det(2 * np.pi * S)))
 
 
-def dense_centralised(positions, z, m, P):
+def dense_centralised(positions, z, m, P, omega_weight):
     """Means (K, 4) and covariances of one filter that holds all readings z (K, N, 2)."""
     F = np.eye(4) + np.diag([1.0, 1.0], 2)
     Q = np.kron([[1 / 3, 1 / 2], [1 / 2, 1]], np.eye(2))
@@ -59,7 +59,7 @@ def dense_centralised(positions, z, m, P):
         y = Y @ m
         for j, position in enumerate(positions):
             pi_1 = (1 - mu[j]) * 0.4 + mu[j] * 0.95 if k else 0.8
-            i, I, mu_j = dense_contribution(m, P, position, z[k, j], pi_1)
+            i, I, mu_j = dense_contribution(m, P, position, z[k, j], pi_1, omega_weight=omega_weight)
             y, Y, mu[j] = y + i, Y + I, np.clip(mu_j, 1e-6, 1 - 1e-6)
         P = np.linalg.inv(Y)
         m = P @ y

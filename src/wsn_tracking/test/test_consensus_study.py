@@ -6,20 +6,24 @@ import numpy as np
 
 from wsn_tracking.benchmarks import consensus as benchmark_consensus
 from wsn_tracking.benchmarks.rows import Sizes
-from wsn_tracking.studies import consensus, consensus_scaling
+from wsn_tracking.studies import consensus, consensus_parts, consensus_scaling
 
 
 def test_the_study_writes_every_table(tmp_path, capsys, monkeypatch):
     monkeypatch.setattr(consensus_scaling, 'SIZES', (10, 25))
+    monkeypatch.setattr(consensus_parts, 'DYING', 1)
     assert consensus.main(['-o', str(tmp_path), '--runs', '1']) == 0
     content = json.loads((tmp_path / 'consensus.json').read_text())
-    assert list(content['tables']) == ['schemes', 'ten_bytes', 'faults', 'links', 'scaling']
+    assert list(content['tables']) == ['schemes', 'ten_bytes', 'faults', 'links', 'deaths', 'parts', 'scaling']
     rows = {row['name']: row for row in content['tables']['schemes']}
     assert rows['cm, L = 20']['bytes_nominal'] == 1280.0
     assert rows['cm, L = 20']['rmse_of_cm_20'] == 1.0
     assert all(
-        row['rmse_m'] > 0.0 for table in ('schemes', 'ten_bytes', 'faults', 'links') for row in content['tables'][table]
+        row['rmse_m'] > 0.0
+        for table in ('schemes', 'ten_bytes', 'faults', 'links', 'parts')
+        for row in content['tables'][table]
     )
+    assert [row['deaths'] for row in content['tables']['deaths']] == [1] * 4
     text = (tmp_path / 'consensus.md').read_text()
     assert all(f'| {name} |' in text for name in (*rows, '25 nodes', '10 nodes'))
     capsys.readouterr()

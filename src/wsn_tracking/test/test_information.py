@@ -39,18 +39,18 @@ def drawn(seed, *shape):
     return Belief(m, S), positions, z
 
 
-def own(belief, positions, z, pi_1=0.9, loss='uniform', printed=False, noise=R):
+def own(belief, positions, z, pi_1=0.9, loss='uniform', omega_weight=1.0, noise=R):
     h = range_bearing_function(positions, belief.m)
     pi_1 = np.broadcast_to(pi_1, belief.m.shape[:-1])
-    return contribute(belief, h, z, noise, pi_1, LOSS[loss], printed)
+    return contribute(belief, h, z, noise, pi_1, LOSS[loss], omega_weight)
 
 
 @properties
-@given(seeds, st.sampled_from(sorted(LOSS)), st.booleans(), st.floats(0.01, 0.99))
-def test_a_contribution_is_the_documents(seed, loss, printed, pi_1):
+@given(seeds, st.sampled_from(sorted(LOSS)), st.sampled_from([0.0, 1.0, 4.0]), st.floats(0.01, 0.99))
+def test_a_contribution_is_the_documents(seed, loss, omega_weight, pi_1):
     belief, position, z = drawn(seed)
-    (i, I), mu = own(belief, position, z, pi_1, loss, printed)
-    dense_i, dense_I, dense_mu = dense_contribution(belief.m, belief.P, position, z, pi_1, loss, printed)
+    (i, I), mu = own(belief, position, z, pi_1, loss, omega_weight)
+    dense_i, dense_I, dense_mu = dense_contribution(belief.m, belief.P, position, z, pi_1, loss, omega_weight)
     assert mu == pytest.approx(dense_mu, rel=1e-6, abs=1e-12)
     scale = np.abs(dense_I).max() + 1e-12
     assert pytest.approx(dense_I, rel=1e-6, abs=1e-9 * scale) == I

@@ -71,7 +71,7 @@ def contribute(
     R: Floats,
     pi_1: Floats,
     loss: LossModel,
-    printed_form: bool = False,
+    omega_weight: float = 1.0,
 ) -> Contribution:
     """Information of one observation of each node (seed 002, eq. 10 to 12 and 16 to 21).
 
@@ -79,7 +79,8 @@ def contribute(
     bearing [rad], NaN where not read (a row that drops out); R (..., 2, 2); pi_1 (...). With the deviations O and E of
     the regression: P_zz = O O' + E E', H = (P^-1 P_xz)' = O chol_P^-1, and the linearisation error
     Omega = P_zz - H P H' = E E' adds to R, which makes the posterior that of the cubature Kalman filter.
-    `printed_form` leaves it out, as the document does.
+    `omega_weight` times as much of it adds to what the observation is worth, though not to how likely it is: 0 is the
+    form that the document prints; w counts an error that stays the same for w epochs as one, where 1 takes each as new.
 
     h regressed over the position alone with kappa = n - 2 has the moments of the cubature rule over all n states, since
     the points along the other axes of the (lower triangular) root share the mean's position.
@@ -90,12 +91,12 @@ def contribute(
     v = np.where(read, innovation(z, r.z_hat), 0.0)
     O, E = r.O * read[..., None], r.E * read[..., None]
     R = np.where(read[..., None] & read[..., None, :], R, np.eye(z.shape[-1]))
-    R_eff = R + E @ transpose(E)
-    l1 = log_normal(v, R_eff + O @ transpose(O), read)
+    Omega = E @ transpose(E)
+    l1 = log_normal(v, R + Omega + O @ transpose(O), read)
     mu = np.where(np.any(read, axis=-1), posterior(pi_1, l1, loss(z, R, read)), 0.0)
     H = O @ inverse(root)
     rows = np.concatenate([H, (v + matvec(H, m))[..., None]], axis=-1)
-    rows = forward(np.linalg.cholesky(R if printed_form else R_eff), rows)
+    rows = forward(np.linalg.cholesky(R + omega_weight * Omega), rows)
     rows = np.sqrt(np.where(mu < NEGLIGIBLE, 0.0, mu))[..., None, None] * rows
     A, b = rows[..., :POSITION], rows[..., POSITION]
     vector, matrix = np.zeros_like(prior.m), np.zeros_like(prior.chol_P)

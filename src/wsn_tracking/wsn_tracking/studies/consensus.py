@@ -19,6 +19,7 @@ from wsn_tracking.files import write_whole
 from wsn_tracking.simulation.b_field import FieldConfig
 from wsn_tracking.studies import consensus_runs as runs_of
 from wsn_tracking.studies.consensus_faults import faults, links
+from wsn_tracking.studies.consensus_parts import deaths, parts
 from wsn_tracking.studies.consensus_scaling import scaling
 from wsn_tracking.studies.consensus_schemes import Table, schemes, ten_bytes
 
@@ -36,6 +37,8 @@ def study(runs: int) -> Mapping[str, Table]:
         'ten_bytes': lambda: ten_bytes(runs_of.some(worlds, slice(0, RAW_RUNS))),
         'faults': lambda: faults(field, runs, SEED),
         'links': lambda: links(worlds),
+        'deaths': lambda: deaths(worlds),
+        'parts': lambda: parts(field, 3 * runs, SEED),
         'scaling': lambda: scaling(field, 100 * runs * 10, SEED),
     }
     results = {}

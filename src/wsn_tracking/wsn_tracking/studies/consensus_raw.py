@@ -46,7 +46,8 @@ def track_raw(config: ConsensusConfig, worlds: Worlds, ten_bytes: bool = True) -
         h = range_bearing_function(worlds.positions, belief.m)
         mu = contribute(belief, h, worlds.z[:, k], worlds.R, mu, loss).mu
         z, weight = as_sent(worlds.z[:, k], mu) if ten_bytes else (worlds.z[:, k], mu)
-        total = _heard(belief, worlds, z, np.where(known & (weight >= NEGLIGIBLE)[:, None, :], weight[:, None, :], 0.0))
+        weight = np.where(known & (weight >= NEGLIGIBLE)[:, None, :], weight[:, None, :], 0.0)
+        total = _heard(belief, worlds, z, weight, config.observation.omega_weight)
         belief, mu = to_belief(unpacked(packed(to_information(belief)) + total)), arrival.kept(mu)
         e = belief.m - worlds.states[:, k, None]
         squares[:, k], normed[:, k] = np.sum(e[..., :2] ** 2, axis=-1), nees(e, belief.P)
@@ -54,7 +55,7 @@ def track_raw(config: ConsensusConfig, worlds: Worlds, ten_bytes: bool = True) -
     return Scores(squares, normed, right)
 
 
-def _heard(belief: Belief, worlds: Worlds, z: Floats, weight: Floats) -> Floats:
+def _heard(belief: Belief, worlds: Worlds, z: Floats, weight: Floats, omega_weight: float) -> Floats:
     """Packed information (runs, N, 14) of all readings about each node's own prior; weight (runs, N, N)."""
     shape = weight.shape
     about = Belief(
@@ -63,5 +64,6 @@ def _heard(belief: Belief, worlds: Worlds, z: Floats, weight: Floats) -> Floats:
     positions = np.broadcast_to(worlds.positions[:, None], (*shape, 3))
     h = range_bearing_function(positions, about.m)
     readings = np.broadcast_to(z[:, None], (*shape, 2))
-    rows = packed(contribute(about, h, readings, worlds.R, np.full(shape, 0.5), absent).information)
+    told = contribute(about, h, readings, worlds.R, np.full(shape, 0.5), absent, omega_weight)
+    rows = packed(told.information)
     return np.asarray((weight[..., None, :] @ rows)[..., 0, :])

@@ -69,7 +69,7 @@ def local_step(
         belief = srckf.predict(belief, *motion_of(config, dt))
         pi_1 = chain.predicted(arrival_of(config), mu)
     h = range_bearing_function(positions, belief.m, config.target_height)
-    own: Contribution = contribute(belief, h, z, R, pi_1, loss, config.observation.printed_form)
+    own: Contribution = contribute(belief, h, z, R, pi_1, loss, config.observation.omega_weight)
     return Local(packed(to_information(belief)), packed(own.information), own.mu)
 
 
