@@ -13,6 +13,7 @@ from wsn_tracking.benchmarks import particles as particle
 from wsn_tracking.benchmarks.rows import cpu_seconds
 from wsn_tracking.fusion import covariance_intersection as ci
 from wsn_tracking.models.walk import STATES
+from wsn_tracking.sensing.values import Range
 
 
 def close(one, other):
@@ -66,7 +67,8 @@ def test_readers_find_the_same_ranges(tmp_path):
     save(bag, recording)
     theirs = bags.read_by_mcap(bag)
     assert len(theirs) == 30 * 12
-    assert bags.ranges_of(read(bag)) == theirs == bags.ranges_of(recording)
+    for mine in (read(bag), recording):
+        assert [(m.node_id, m.range) for m in mine.messages if isinstance(m, Range)] == theirs
 
 
 def test_what_is_evaluated_is_tracked(tmp_path):

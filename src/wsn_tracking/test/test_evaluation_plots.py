@@ -8,7 +8,8 @@ from evaluation_cases import line_truth, noisy_track, track
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.evaluation import metrics, plot_map, plot_style
 from wsn_tracking.evaluation.consistency import chi_square_quantile
-from wsn_tracking.evaluation.plots import plot_all, plot_errors, plot_nees
+from wsn_tracking.evaluation.plot_series import plot_errors, plot_nees
+from wsn_tracking.evaluation.plots import plot_all
 from wsn_tracking.models.anchors import make_anchors
 from wsn_tracking.trackers.estimate import Kind
 

@@ -51,13 +51,8 @@ def as_ranges(recording: Recording) -> Recording:
     return recording._replace(messages=messages, entry_level='range', metadata=metadata)
 
 
-def ranges_of(recording: Recording) -> list[tuple[int, float]]:
-    """What readers are compared by: node and range of every measurement, in order."""
-    return [(m.node_id, m.range) for m in recording.messages if isinstance(m, Range)]
-
-
 def read_by_mcap(bag: Path) -> list[tuple[int, float]]:
-    """The same by the reader that Foxglove offers for Python; it decodes every message of the bag."""
+    """Node and range of every measurement, in order, by Foxglove's reader for Python; it decodes every message."""
     from mcap.reader import make_reader
     from mcap_ros2.decoder import DecoderFactory
 

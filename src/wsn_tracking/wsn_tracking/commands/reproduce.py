@@ -11,6 +11,7 @@ from wsn_tracking.errors import TrackingError
 from wsn_tracking.files import check_folder
 
 BACKENDS = ('loky', 'threading', 'dask')
+SEED = 7001  # no test uses it
 
 
 def add(commands: Commands) -> None:
@@ -32,7 +33,7 @@ def add(commands: Commands) -> None:
     command.add_argument(
         '--data', type=Path, metavar='DIR', help='recordings of docs/datasets.md, a folder each: compared on, too'
     )
-    command.add_argument('--seed', type=seed, default=7001, help='of all draws (default: 7001)')
+    command.add_argument('--seed', type=seed, default=SEED, help=f'of all draws (default: {SEED})')
     command.add_argument('--jobs', type=_jobs, default=0, metavar='N', help='workers (default: one a core)')
     command.add_argument('--backend', choices=BACKENDS, default='loky', help='of joblib: processes, threads, or Dask')
     command.add_argument('--scheduler', default='', metavar='ADDRESS', help='dask: default: a cluster on this machine')

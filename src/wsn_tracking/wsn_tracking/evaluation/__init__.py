@@ -1,1 +1,1 @@
-"""Metrics, consistency, tables and plots."""
+"""Judges estimates and bags: runs the trackers on a bag, metrics, consistency, tables, plots, JSON."""

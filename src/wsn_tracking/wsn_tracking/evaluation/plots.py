@@ -12,8 +12,6 @@ from wsn_tracking.models.anchors import Anchors
 from wsn_tracking.sensing.recording import Truth
 from wsn_tracking.trackers.estimate import Estimate
 
-__all__ = ['plot_all', 'plot_errors', 'plot_map', 'plot_nees']
-
 
 def plot_all(
     directory: str | Path,

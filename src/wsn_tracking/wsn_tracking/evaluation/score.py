@@ -53,11 +53,6 @@ class Score(NamedTuple):
     without_nees: Mapping[str, int]  # scored epochs by reason: covariance_unknown, covariance_singular
     matched: Matched  # the scored epochs alone
 
-    @property
-    def esi_series(self) -> Floats:
-        """ESI after every scored epoch, (epochs, 2) [m]."""
-        return metrics.esi(self.matched.errors)
-
 
 def match(estimates: Sequence[Estimate], truth: Truth, *, gap_s: float = GAP_S) -> Matched:
     """Lay estimates beside the truth at their own stamps.

@@ -23,7 +23,6 @@ from wsn_tracking.errors import TrackingError
 from wsn_tracking.models.draws import keyed
 from wsn_tracking.reproduction.claims import PICTURE, Experiment, Samples
 
-BACKENDS = ('loky', 'threading', 'dask')
 Progress = Callable[[Iterator[Any], int], Iterator[Any]]
 
 

@@ -19,7 +19,6 @@ from wsn_tracking.reproduction.digest import digest
 from wsn_tracking.reproduction.engine import Progress, Workers, run
 from wsn_tracking.reproduction.page import page
 
-SEED = 7001  # no test uses it
 COMPARISON = 'X'  # document of the claims on all systems
 HTML, JSON, SHORT = 'reproduction.html', 'reproduction.json', 'reproduction.md'
 

@@ -104,8 +104,3 @@ def distances(tracks: Tracks, walks: Walks) -> Floats:
 def squares(tracks: Tracks, walks: Walks, settled: float = SETTLED) -> Floats:
     """Mean squared error of the position of every run (runs,) [m^2], from `settled` seconds on."""
     return np.asarray(np.nanmean(distances(tracks, walks)[:, walks.times >= settled] ** 2, axis=-1))
-
-
-def rmse(tracks: Tracks, walks: Walks, settled: float = SETTLED) -> float:
-    """Root of the mean squared error over runs and epochs [m]."""
-    return float(np.sqrt(np.mean(squares(tracks, walks, settled))))
