@@ -22,9 +22,10 @@ from wsn_tracking.graphs.follower import SINK
 from wsn_tracking.node_parameters.serial import SinkSimulatorConfig
 from wsn_tracking.parameters import Values, build
 from wsn_tracking.processes import run_graph
-from wsn_tracking.studies.phase import Result, summary
+from wsn_tracking.studies.phase import summary
 from wsn_tracking.studies.phase_recorded import phase_run
 from wsn_tracking.studies.phase_runs import SETTLED_S
+from wsn_tracking.studies.results import Result
 
 
 def follow(output: Path, seed: int, settings: Values) -> Result:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import subprocess
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -10,9 +9,10 @@ from typing import Any, NamedTuple
 
 from wsn_tracking.reproduction.claims import Bounds, Claim, Figure, Plot, Samples, Series
 from wsn_tracking.reproduction.verdicts import verdicts
+from wsn_tracking.studies.intervals import known
 
 Json = dict[str, Any]
-DIGITS = 4  # of what is drawn
+DIGITS, DRAWN = 5, 4  # of figures, and of what is drawn: what lies beyond differs between machines
 
 
 class Setting(NamedTuple):
@@ -74,26 +74,22 @@ def _claim(claim: Claim, samples: Mapping[str, Samples], setting: Setting) -> Js
 
 
 def _figure(figure: Figure) -> Json:
-    interval = figure.ours['interval_95']
+    value, interval = figure.ours['value'], figure.ours['interval_95']
+    assert not isinstance(value, list)
     assert isinstance(interval, list)
     return {
         'name': figure.name,
-        'value': _known(figure.ours['value']),
-        'interval_95': [_known(end) for end in interval],
+        'value': known(value, DIGITS),
+        'interval_95': [known(end, DIGITS) for end in interval],
         'unit': figure.unit,
-        'document': figure.document if isinstance(figure.document, str | None) else _known(figure.document),
+        'document': figure.document if isinstance(figure.document, str | None) else known(figure.document, DIGITS),
         'shape': _bounds(figure.shape),
         'near': _bounds(figure.near),
     }
 
 
 def _bounds(bounds: Bounds | None) -> list[float | None] | None:
-    return None if bounds is None else [None if bound is None else _known(bound) for bound in bounds]
-
-
-def _known(value: Any) -> float | None:
-    """Five digits: what lies beyond differs between machines. JSON has no NaN."""
-    return float(f'{value:.5g}') if math.isfinite(value) else None
+    return None if bounds is None else [None if bound is None else known(bound, DIGITS) for bound in bounds]
 
 
 def plain_plot(plot: Plot) -> Json:
@@ -103,14 +99,10 @@ def plain_plot(plot: Plot) -> Json:
 
 def _series(series: Series) -> Json:
     def short(values: Sequence[Any]) -> list[Any]:
-        return [v if isinstance(v, str) else _short(v) for v in values]
+        return [v if isinstance(v, str) else known(v, DRAWN) for v in values]
 
     return {
         'name': series.name,
         'style': series.style,
         **{name: short(getattr(series, name)) for name in ('x', 'y', 'low', 'high')},
     }
-
-
-def _short(value: float) -> float | None:
-    return float(f'{value:.{DIGITS}g}') if math.isfinite(value) else None

@@ -15,6 +15,7 @@ from wsn_tracking.reproduction.cross_claims import FIVE, SHOWN, squares
 from wsn_tracking.reproduction.cross_fields import FIELDS, Field
 from wsn_tracking.reproduction.cross_systems import CONTENDERS
 from wsn_tracking.reproduction.quantities import root_mean
+from wsn_tracking.studies.intervals import known
 
 Json = dict[str, Any]
 LOSSY = RATES[1:]
@@ -50,7 +51,7 @@ def table(samples: Mapping[str, Samples], command: str, absent: Mapping[str, str
         s = samples[name_of(field)]
         for contender in CONTENDERS:
             rows.append(_row(field, contender.name, s))
-            cpu.append(_short(s[f'{MEASURED}{contender.name}: cpu']))
+            cpu.append(_mean(s[f'{MEASURED}{contender.name}: cpu']))
     what = [f'`{field.name}`: {field.what}.' for field in run]
     for reason in dict.fromkeys(absent.values()):
         names = [f'`{name}`' for name, why in absent.items() if why == reason]
@@ -79,18 +80,16 @@ def _row(field: Field, name: str, s: Samples) -> list[Any]:
         _root(squares(s, name)),
         ' to '.join(f'{end:.4g}' for end in ends),
         *(_root(squares(s, name, rate)) for rate in LOSSY),
-        *(_short(s[f'{name}{key}']) for key in (' 0: nees', ': messages', ': bytes')),
+        *(_mean(s[f'{name}{key}']) for key in (' 0: nees', ': messages', ': bytes')),
     ]
 
 
 def _root(values: Floats) -> float | None:
-    return _short(np.sqrt(values.mean(keepdims=True)))
+    return known(np.sqrt(np.mean(values)))
 
 
-def _short(values: Floats) -> float | None:
-    """Four digits of the mean; None where nothing is known."""
-    value = float(np.mean(values))
-    return float(f'{value:.4g}') if np.isfinite(value) else None
+def _mean(values: Floats) -> float | None:
+    return known(np.mean(values))
 
 
 def _plots(run: Sequence[Field], samples: Mapping[str, Samples]) -> list[Plot]:

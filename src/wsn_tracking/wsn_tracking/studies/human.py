@@ -12,13 +12,9 @@ from wsn_tracking.models.anchors import Floats
 from wsn_tracking.simulation.c_body import BodyConfig, CircleConfig, CorridorConfig, SpacingConfig
 from wsn_tracking.studies.human_runs import Walks, sample, squares, track
 from wsn_tracking.studies.intervals import Figure, ratio_of
-from wsn_tracking.trackers.human_config import (
-    HumanConfig,
-    MotionConfig,
-    SignalConfig,
-)
+from wsn_tracking.studies.results import Result
+from wsn_tracking.trackers.human_config import HumanConfig, MotionConfig, SignalConfig
 
-Result = dict[str, Any]
 SEED = 1
 SPACINGS = {3: 50.0, 4: 33.3, 5: 25.0, 6: 20.0, 8: 14.3, 11: 10.0}  # columns of nodes: metres between them
 NOISES = (0.5, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0)  # [dB]

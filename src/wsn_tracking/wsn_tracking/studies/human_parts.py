@@ -15,9 +15,10 @@ from wsn_tracking.models.body import SINGLE, mean_rssi
 from wsn_tracking.models.body_likelihood import Readings
 from wsn_tracking.models.walk import STATES
 from wsn_tracking.simulation.c_body import BodyConfig, CircleConfig, nodes
-from wsn_tracking.studies.human import IMPROVED, PAPER_MAX, SEED, Result, compare, told
+from wsn_tracking.studies.human import IMPROVED, PAPER_MAX, SEED, compare, told
 from wsn_tracking.studies.human_runs import Walks, distances, sample, track
 from wsn_tracking.studies.intervals import mean_of
+from wsn_tracking.studies.results import Result
 from wsn_tracking.trackers.human_config import HumanConfig, MotionConfig, ResamplingConfig, SignalConfig, StartConfig
 from wsn_tracking.trackers.human_filter import HumanFilter
 from wsn_tracking.trackers.human_models import curves_of

@@ -18,9 +18,9 @@ from wsn_tracking.simulation.scenarios import scenario
 from wsn_tracking.studies import hybrid_runs as runs_of
 from wsn_tracking.studies.hybrid_runs import Runs
 from wsn_tracking.studies.intervals import mean_of, ratio_of
+from wsn_tracking.studies.results import Result
 from wsn_tracking.trackers.hybrid_config import HybridConfig, MotionConfig, RobustConfig, StartConfig
 
-Result = dict[str, Any]
 SEED = 1
 SETTLED_M = 0.04
 BEGUN_S = 2.0  # a filter has settled in by then

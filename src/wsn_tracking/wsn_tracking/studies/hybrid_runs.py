@@ -61,8 +61,7 @@ def track(runs: Runs, config: HybridConfig) -> Tracks:
     """Filter every run; each begins where least squares first finds its target, with P0 = diag(start.*_std^2)."""
     places = nodes().positions
     raw, _ = listened(runs, config)
-    root = [config.start.position_std] * 2 + [config.start.velocity_std] * 2
-    P0 = np.broadcast_to(np.diag(np.square(root)), (len(raw), 4, 4))
+    P0 = np.broadcast_to(config.start.P0, (len(raw), 4, 4))
     found = np.zeros(len(raw), dtype=np.bool_)
     state = steps.begin(Gaussian(np.zeros((len(raw), 4)), P0), len(places), config)
     m, P = np.full((*raw.shape[:2], 4), np.nan), np.full((*raw.shape[:2], 4, 4), np.nan)
@@ -90,9 +89,8 @@ def track_together(runs: Runs, config: HybridConfig, seed: int) -> Floats:
     noise = np.random.default_rng(seed).standard_normal((many, len(runs.states), N))
     z = np.maximum(distances(nodes(), runs.states) + runs.config.range_std * noise, MIN_RANGE)
     std, share = np.full(N, config.range_std), np.zeros(N)
-    root = [config.start.position_std] * 2 + [config.start.velocity_std] * 2
     first = np.concatenate([least_squares(places[:, :2], z[:, 0]), np.zeros((many, 2))], axis=-1)
-    state = literal.begin(Gaussian(first, np.broadcast_to(np.diag(np.square(root)), (many, 4, 4))), N)
+    state = literal.begin(Gaussian(first, np.broadcast_to(config.start.P0, (many, 4, 4))), N)
     m = np.empty((many, len(runs.states), 4))
     for k in range(len(runs.states)):
         state = literal.predict(state, runs.config.period if k else 0.0, config)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -44,3 +45,8 @@ def _figure(value: float, error: float, scale: float) -> Figure:
 def short(value: float | np.floating[Any], digits: int = 5) -> float:
     """So many digits: what lies beyond differs between machines and means nothing."""
     return float(f'{value:.{digits}g}')
+
+
+def known(value: float | np.floating[Any], digits: int = 4) -> float | None:
+    """The same; None where nothing is known: JSON has no NaN."""
+    return short(value, digits) if math.isfinite(value) else None

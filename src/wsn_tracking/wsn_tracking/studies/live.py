@@ -31,7 +31,7 @@ from wsn_tracking.sensing.recording import Recording
 from wsn_tracking.simulation.record import record
 from wsn_tracking.simulation.scenario import Scenario
 from wsn_tracking.simulation.scenarios import scenario
-from wsn_tracking.studies.results import Studies, call
+from wsn_tracking.studies.results import Result, Studies, call
 from wsn_tracking.trackers.estimate import Estimate
 
 REPEATS = 20
@@ -45,7 +45,7 @@ FIRST = 2  # epoch from which on time is taken: all code has been read from disk
 IN_TIME_S = 0.8  # [s] that an epoch may take
 
 
-def parity(repeats: int = REPEATS) -> dict[str, Any]:
+def parity(repeats: int = REPEATS) -> Result:
     """Replays at every rate against the evaluator: how many estimates differ in any bit."""
     rows = []
     for rate, epochs in RATES:
@@ -65,7 +65,7 @@ def parity(repeats: int = REPEATS) -> dict[str, Any]:
     return {'rows': rows}
 
 
-def soak() -> dict[str, Any]:
+def soak() -> Result:
     """12 sensing nodes at 20 Hz, every measurement sent, 3 estimators, 60 s, live timeouts."""
     epochs = round(SOAK_HZ * SOAK_S)
     loop = scenario('a_loop')
@@ -94,7 +94,7 @@ def soak() -> dict[str, Any]:
     }
 
 
-def consensus(bag: str = 'bags/b_field') -> dict[str, Any]:
+def consensus(bag: str = 'bags/b_field') -> Result:
     """50 nodes in four processes, T = 1 s, live timeouts: from a request to the last estimate, and what differs.
 
     Other load on the machine counts as well: `load` is what it was (processes that want to run, at begin and end).
@@ -103,7 +103,7 @@ def consensus(bag: str = 'bags/b_field') -> dict[str, Any]:
     return {'cores': os.cpu_count(), 'rows': [_agreement(bag, source, recording, *scheme) for scheme in SCHEMES]}
 
 
-def targets(count: int = TARGETS, hertz: float = SOAK_HZ, seconds: float = SOAK_S) -> dict[str, Any]:
+def targets(count: int = TARGETS, hertz: float = SOAK_HZ, seconds: float = SOAK_S) -> Result:
     """20 targets at 20 Hz each on one hybrid_tracker_node: the share of a core that it takes, its start included.
 
     Other load on the machine makes it more: `load` is what it was (processes that want to run, at begin and end).
@@ -133,7 +133,7 @@ def targets(count: int = TARGETS, hertz: float = SOAK_HZ, seconds: float = SOAK_
     }
 
 
-def _agreement(bag: str, source: graphs.Source, recording: Recording, scheme: str, rounds: int) -> dict[str, Any]:
+def _agreement(bag: str, source: graphs.Source, recording: Recording, scheme: str, rounds: int) -> Result:
     settings = {'scheme': scheme, 'rounds': rounds}
     run = offline(source, recording, settings=settings)
     ids = recording.anchors.ids.tolist()

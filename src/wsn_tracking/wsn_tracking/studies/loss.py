@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from wsn_tracking.models.anchors import Floats
@@ -11,9 +9,9 @@ from wsn_tracking.models.links import Loss
 from wsn_tracking.studies import loss_runs
 from wsn_tracking.studies.intervals import mean_of, ratio_of, short
 from wsn_tracking.studies.loss_runs import Scores, Worlds
+from wsn_tracking.studies.results import Result
 from wsn_tracking.trackers.loss_tolerant_config import LossTolerantConfig
 
-Result = dict[str, Any]
 FILTERS = ('ckf', 'ekf', 'ukf', 'hold')
 RATES = (0.0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9)
 BURST = 10.0  # [epochs] mean length of a loss

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
 from wsn_tracking.simulation.d_cells import CellsConfig
 from wsn_tracking.studies.intervals import short
 from wsn_tracking.studies.phase_runs import SETTLED_S, PhaseConfig, PhaseRun, run
+from wsn_tracking.studies.results import Result
 
-Result = dict[str, Any]
 CAUGHT_UP = np.radians(10.0)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -15,11 +15,11 @@ from wsn_tracking.models.noise import white_acceleration
 from wsn_tracking.sensing import trigger
 from wsn_tracking.simulation.scenarios import scenario
 from wsn_tracking.studies import random_q_runs as runs_of
-from wsn_tracking.studies.intervals import mean_of, ratio_of
+from wsn_tracking.studies.intervals import mean_of, ratio_of, short
 from wsn_tracking.studies.reference import posterior_means
+from wsn_tracking.studies.results import Result
 from wsn_tracking.trackers.random_q_config import NoiseConfig, RandomQConfig, UpdateConfig
 
-Result = dict[str, Any]
 UPDATES = {
     'ckf_measured': UpdateConfig(kind='ckf', r='measured'),
     'ckf_predicted': UpdateConfig(kind='ckf', r='predicted'),
@@ -128,7 +128,7 @@ def _matched(
     m = matched_runs(density, runs, epochs, reference_runs, particles, generator)
     usual = {name: np.sort(of_run)[: runs - runs // 100] for name, of_run in m.nees.items()}
     return {
-        'rmse_cm': {name: float(f'{100.0 * np.sqrt(np.mean(squares)):.5g}') for name, squares in m.squares.items()},
+        'rmse_cm': {name: short(100.0 * np.sqrt(np.mean(squares))) for name, squares in m.squares.items()},
         'rmse_of_the_particle_filters': {
             name: ratio_of(squares[:reference_runs], m.best, root=True) for name, squares in m.squares.items()
         },

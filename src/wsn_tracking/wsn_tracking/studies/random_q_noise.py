@@ -12,9 +12,9 @@ from wsn_tracking.sensing import trigger
 from wsn_tracking.simulation.scenarios import scenario
 from wsn_tracking.studies import random_q_runs as runs_of
 from wsn_tracking.studies.intervals import change_of, mean_of, ratio_of
+from wsn_tracking.studies.results import Result
 from wsn_tracking.trackers.random_q_config import NoiseConfig, RandomQConfig, UpdateConfig
 
-Result = dict[str, Any]
 FIXED = (2.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 12.0)
 INTERVALS = ((2.0, 6.0), (4.0, 6.0), (8.0, 10.0), (8.0, 12.0), (2.0, 12.0), (4.0, 10.0), (6.0, 8.0))  # table 1
 RULES = ('trace', 'mean', 'lci')

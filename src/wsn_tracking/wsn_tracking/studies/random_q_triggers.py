@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -15,9 +15,9 @@ from wsn_tracking.simulation.scenarios import BY_SEED, scenario
 from wsn_tracking.studies import random_q_runs as runs_of
 from wsn_tracking.studies.intervals import mean_of, ratio_of
 from wsn_tracking.studies.random_q_noise import ESTIMATORS, identity_noise
+from wsn_tracking.studies.results import Result
 from wsn_tracking.trackers.random_q_config import NoiseConfig, RandomQConfig, UpdateConfig
 
-Result = dict[str, Any]
 Radio = Callable[[Scenario, runs_of.Sensed], runs_of.Sensed]  # what is sent -> what arrives
 NEAR = {'a_loop': -46.9, 'a_circle': -44.5, 'a_heading': -47.8}  # [dBm] where `near` sends as much as `event`
 KINDS = ('event', 'near', 'random', 'always')

@@ -11,7 +11,8 @@ from wsn_tracking.simulation.scenario import Scenario
 from wsn_tracking.simulation.scenarios import BY_SEED
 from wsn_tracking.studies import random_q_runs as runs_of
 from wsn_tracking.studies.intervals import mean_of, ratio_of
-from wsn_tracking.studies.random_q_triggers import NEAR, Radio, Result, compare, unchanged, world
+from wsn_tracking.studies.random_q_triggers import NEAR, Radio, compare, unchanged, world
+from wsn_tracking.studies.results import Result
 
 
 def whole(y: Floats) -> Floats:

@@ -15,7 +15,8 @@ from typing import Any
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.files import write_whole
 
-Study = Callable[[], dict[str, Any]]
+Result = dict[str, Any]  # of a study, ready for JSON
+Study = Callable[[], Result]
 Studies = Mapping[str, Mapping[str, Study]]  # file: its studies by name
 
 
@@ -60,7 +61,7 @@ def make(folder: Path, wanted: Sequence[str], studies: Studies, *, command: str)
     return written
 
 
-def _kept(path: Path) -> dict[str, Any]:
+def _kept(path: Path) -> Result:
     """The figures of an earlier run."""
     if not path.exists():
         return {}

@@ -17,7 +17,7 @@ import tempfile
 import time
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -28,7 +28,7 @@ from wsn_tracking.parameters import Values
 from wsn_tracking.simulation.record import record
 from wsn_tracking.simulation.scenarios import scenario
 from wsn_tracking.sink_thread import SinkThread
-from wsn_tracking.studies.results import Studies, call
+from wsn_tracking.studies.results import Result, Studies, call
 from wsn_tracking.zstack.commands import decode
 from wsn_tracking.zstack.motes import Message
 from wsn_tracking.zstack.parser import Parser
@@ -114,7 +114,7 @@ def _await_ready(listener: subprocess.Popen[str]) -> None:
         raise TrackingError('the graph behind the serial line did not become ready: start its nodes alone to see why')
 
 
-def end_to_end(seconds: float = SECONDS, settings: Values | None = None) -> dict[str, Any]:
+def end_to_end(seconds: float = SECONDS, settings: Values | None = None) -> Result:
     """12 nodes at 10 Hz on a serial line for a minute: what arrives, after how long, and what the bridge takes."""
     heard = listen(seconds, settings)
     arrived = {(node, seq): when for node, seq, when in heard.arrived}
@@ -139,7 +139,7 @@ def end_to_end(seconds: float = SECONDS, settings: Values | None = None) -> dict
     }
 
 
-def noise(count: int = RANDOM_BYTES) -> dict[str, Any]:
+def noise(count: int = RANDOM_BYTES) -> Result:
     """Ten million random bytes into the parser, and every frame that is found by chance decoded."""
     draw, parser, held = random.Random(7), Parser(), 0
     for _ in range(count // 10_000):

@@ -168,10 +168,9 @@ class HybridTracker:
         """Give the track up, and look for the target anew: elsewhere, if what was heard last did not fit."""
         assert self._track is not None
         self.counters[why] += 1
-        last, start = self._track.belief, self.config.start
+        last = self._track.belief
         if why != 'stale' or self._rejects > DOUBT:
-            doubt = np.square([start.position_std, start.position_std, start.velocity_std, start.velocity_std])
-            last = last._replace(P=last.P + np.diag(doubt))
+            last = last._replace(P=last.P + self.config.start.P0)
         self._search = Search(self.config, self._places, self._area, last, self._t)
         self._track = None
 

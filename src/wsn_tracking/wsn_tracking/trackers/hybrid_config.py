@@ -5,7 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TypeVar
 
+import numpy as np
+
 from wsn_tracking.errors import TrackingError
+from wsn_tracking.models.anchors import Floats
 from wsn_tracking.models.region import region_of
 from wsn_tracking.parameters import group, param
 
@@ -89,6 +92,11 @@ class StartConfig:
         0.3, 'hypotheses: a track begins below this standard deviation of the position', 'm', 0.0, 1e4
     )
     most: int = param(60, 'hypotheses: kept at most', '', 2, 10000)
+
+    @property
+    def P0(self) -> Floats:
+        """Covariance (4, 4) of a track that least squares has begun."""
+        return np.diag(np.square([self.position_std, self.position_std, self.velocity_std, self.velocity_std]))
 
 
 @dataclass(frozen=True)

@@ -75,8 +75,7 @@ class Search:
         x = agreed(Told(a, plane, start.misfit * std + start.velocity_std * age), least, start.majority)
         if x is None or not _inside(x, self._area, start.position_std):
             return None
-        P = np.diag(np.square([start.position_std, start.position_std, start.velocity_std, start.velocity_std]))
-        return Gaussian(np.concatenate([x, np.zeros(2)]), P)
+        return Gaussian(np.concatenate([x, np.zeros(2)]), start.P0)
 
     def _follow(self, distance: Distance, t: float) -> None:
         """The hypotheses with one range more."""

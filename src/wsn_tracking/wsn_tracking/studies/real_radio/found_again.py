@@ -17,8 +17,8 @@ from wsn_tracking.node_parameters.estimator import EstimatorNodeConfig
 from wsn_tracking.parameters import Values, build
 from wsn_tracking.sensing.recording import Recording
 from wsn_tracking.sensing.values import Epoch
-from wsn_tracking.studies.real_radio.scores import Result
 from wsn_tracking.studies.real_radio.sets import Bags, Sets
+from wsn_tracking.studies.results import Result
 from wsn_tracking.trackers.estimator import make_estimator
 
 GAP_S = 20.0  # in which nothing is heard

@@ -23,10 +23,10 @@ from wsn_tracking.evaluation.run import summarise
 from wsn_tracking.offline import offline
 from wsn_tracking.parameters import Values
 from wsn_tracking.sensing.recording import Recording
+from wsn_tracking.studies.intervals import known
 from wsn_tracking.studies.real_radio.command import call
-from wsn_tracking.studies.real_radio.scores import Result, short
 from wsn_tracking.studies.real_radio.sets import MRCLAM, Bags, Sets, find
-from wsn_tracking.studies.results import make
+from wsn_tracking.studies.results import Result, make
 
 COMMAND = 'python -m wsn_tracking.studies.real_radio.hybrid DATA -o docs/results'
 
@@ -45,7 +45,7 @@ def of_labyrinth(bags: Bags, configuration: str = 'hybrid_labyrinth') -> Result:
     for name, settings in rows.items():
         run = offline(source, recording, configuration, settings)
         (score,) = summarise(name, recording, run, bags.skip_s).outputs.values()
-        result[name] = {'rmse_m': short(score.rmse_m), 'median_m': short(score.median_m), 'nees': short(score.nees)}
+        result[name] = {'rmse_m': known(score.rmse_m), 'median_m': known(score.median_m), 'nees': known(score.nees)}
     return result
 
 
@@ -62,13 +62,13 @@ def of_robots(source: graphs.Source, recording: Recording, configuration: str = 
         instants = at_instants(estimates[f'hybrid_target_{target}'], truth, heard)
         found = found_again(instants, heard)
         robots[str(target)] = {
-            'median_m': short(instants.median_m),
+            'median_m': known(instants.median_m),
             'instants': int(instants.counts.sum()),
-            'found_median_m': short(found.median_after(FOUND_WITHIN_S)),
+            'found_median_m': known(found.median_after(FOUND_WITHIN_S)),
             'times_found': len(found.stamps_ns),
         }
     medians = [robot['median_m'] for robot in robots.values()]
-    return {'robots': robots, 'mean_of_medians_m': short(float(np.mean(medians))), 'worst_median_m': max(medians)}
+    return {'robots': robots, 'mean_of_medians_m': known(float(np.mean(medians))), 'worst_median_m': max(medians)}
 
 
 def open_robots(data: Path, work: Path) -> tuple[graphs.Source, Recording]:

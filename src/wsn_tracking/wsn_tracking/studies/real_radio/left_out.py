@@ -7,8 +7,9 @@ from collections.abc import Mapping, Sequence
 
 from wsn_tracking.evaluation.score import pool
 from wsn_tracking.parameters import Values
-from wsn_tracking.studies.real_radio.scores import Result, of_tracks
+from wsn_tracking.studies.real_radio.scores import of_tracks
 from wsn_tracking.studies.real_radio.sets import Bags, Sets
+from wsn_tracking.studies.results import Result
 
 # About what `danis_central` has: half and twice as much, a decibel less and more.
 DENSITIES = (0.25, 0.5, 1.0)  # [m^2/s^3]

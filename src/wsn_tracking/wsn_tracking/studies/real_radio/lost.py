@@ -14,8 +14,9 @@ from wsn_tracking.evaluation.run import epochs_of
 from wsn_tracking.evaluation.score import Score, pool, score
 from wsn_tracking.models.links import Loss
 from wsn_tracking.parameters import Values, build
-from wsn_tracking.studies.real_radio.scores import Result, figures
+from wsn_tracking.studies.real_radio.scores import figures
 from wsn_tracking.studies.real_radio.sets import Bags, Sets
+from wsn_tracking.studies.results import Result
 from wsn_tracking.trackers.loss_tolerant import LossTolerantTracker
 from wsn_tracking.trackers.loss_tolerant_config import LossTolerantConfig
 

@@ -10,8 +10,9 @@ import numpy as np
 from wsn_tracking.evaluation.score import pool
 from wsn_tracking.parameters import Values
 from wsn_tracking.studies.real_radio.left_out import left_out
-from wsn_tracking.studies.real_radio.scores import Result, Scores, figures, of_tracks
+from wsn_tracking.studies.real_radio.scores import Scores, figures, of_tracks
 from wsn_tracking.studies.real_radio.sets import SETS, Bags, Sets, find
+from wsn_tracking.studies.results import Result
 
 OUTPUTS = ('human', 'human_lag')
 NORMAL = {'signal.dof': 0.0, 'signal.sigma': 6.0}  # the best of 5, 6 and 7 dB

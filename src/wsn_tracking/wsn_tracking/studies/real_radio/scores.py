@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 from wsn_tracking.evaluation.run import summarise
 from wsn_tracking.evaluation.score import Score, pool
 from wsn_tracking.offline import offline
 from wsn_tracking.parameters import Values
+from wsn_tracking.studies.intervals import known
 from wsn_tracking.studies.real_radio.sets import Bags
+from wsn_tracking.studies.results import Result
 
-Result = dict[str, Any]
 Scores = Sequence[Mapping[str, Score]]  # of each track, by output
 
 
@@ -31,15 +30,10 @@ def pooled(bags: Bags, configuration: str, settings: Values) -> Mapping[str, Sco
 def figures(score: Score) -> Result:
     """What is kept of a score."""
     return {
-        'rmse_m': short(score.rmse_m),
-        'median_m': short(score.median_m),
-        'p95_m': short(score.p95_m),
-        'nees': short(score.nees),
-        'nees_interval_95': [short(end) for end in score.nees_interval],
+        'rmse_m': known(score.rmse_m),
+        'median_m': known(score.median_m),
+        'p95_m': known(score.p95_m),
+        'nees': known(score.nees),
+        'nees_interval_95': [known(end) for end in score.nees_interval],
         'epochs': score.epochs,
     }
-
-
-def short(value: float) -> float | None:
-    """Four digits; None where nothing is known."""
-    return float(f'{value:.4g}') if math.isfinite(value) else None

@@ -9,8 +9,10 @@ import numpy as np
 
 from wsn_tracking.configuration import load_configuration
 from wsn_tracking.parameters import Values
-from wsn_tracking.studies.real_radio.scores import Result, figures, pooled, short
+from wsn_tracking.studies.intervals import known
+from wsn_tracking.studies.real_radio.scores import figures, pooled
 from wsn_tracking.studies.real_radio.sets import Bags, Sets
+from wsn_tracking.studies.results import Result
 
 # What is switched off at first, and then on again in this order.
 OFF: Mapping[str, Any] = {
@@ -97,8 +99,8 @@ def of_three(bags: Bags, configuration: str) -> Result:
         outputs = pooled(bags, configuration, settings)
         alone = [outputs[f'local_{i}'].rmse_m for i in (1, 2, 3)]
         result[name] = {
-            'local_rmse_m': [short(value) for value in alone],
-            'mean_of_the_locals_rmse_m': short(float(np.mean(alone))),
+            'local_rmse_m': [known(value) for value in alone],
+            'mean_of_the_locals_rmse_m': known(float(np.mean(alone))),
             'fused': figures(outputs['fused_1']),
         }
     return result
