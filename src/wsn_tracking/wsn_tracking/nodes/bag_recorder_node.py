@@ -102,7 +102,7 @@ class BagRecorderNode(TrackingNode[RecorderConfig]):
 
     def _is_final(self, cdr: bytes) -> bool:
         estimate = deserialize_message(cdr, msg.TargetEstimate)
-        return self._finals.get(estimate.target_id) == estimate.request_seq
+        return bool(self._finals.get(estimate.target_id) == estimate.request_seq)
 
     def destroy_node(self) -> None:
         """Finalise the bag, whatever ended the node."""
