@@ -6,6 +6,7 @@ particle of weight zero is never drawn. The number n may differ from P; leading 
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 
 import numpy as np
@@ -21,9 +22,10 @@ BELOW_ROW = 1.0 - 2.0**-30  # one that is still below one with a row's number ad
 
 def systematic(w: Floats, n: int, generator: np.random.Generator) -> Indices:
     """One draw for all: the teeth of a comb. Copies of j are the floor or the ceiling of n w_j, or one off that."""
-    teeth = np.arange(n) + generator.random((*w.shape[:-1], 1))
-    teeth /= n
-    return _located(w, teeth)
+    u = np.minimum(generator.random((*w.shape[:-1], 1)), BELOW_ROW)
+    copies = np.ceil(n * _shares(w) - u).astype(np.int64)  # how many of the teeth (i + u) / n lie below each sum
+    copies[..., 1:] -= copies[..., :-1].copy()
+    return _repeated(copies, n)
 
 
 def stratified(w: Floats, n: int, generator: np.random.Generator) -> Indices:
@@ -48,7 +50,7 @@ def residual(w: Floats, n: int, generator: np.random.Generator) -> Indices:
     kept = _thinned(drawn, missing, generator)
     row = np.arange(kept.size // n).reshape((*kept.shape[:-1], 1)) * w.shape[-1]
     copies += np.bincount((row + drawn)[kept], minlength=copies.size).reshape(copies.shape)
-    return np.asarray(_rank(np.cumsum(copies, axis=-1), np.broadcast_to(np.arange(n), drawn.shape)))
+    return _repeated(copies.astype(np.int64), n)
 
 
 RESAMPLERS: Mapping[str, Resampler] = {
@@ -65,19 +67,28 @@ def _thinned(drawn: Indices, keep: Floats, generator: np.random.Generator) -> ND
     return np.asarray(order < keep)
 
 
+def _shares(w: Floats) -> Floats:
+    """The cumulative weights (..., P), of which the last is exactly one: no place in [0, 1) is beyond it."""
+    sums = np.cumsum(w, axis=-1)
+    sums /= sums[..., -1:]
+    return sums
+
+
+def _repeated(copies: Indices, n: int) -> Indices:
+    """Each particle as often as copies (..., P) say, in ascending order; in every row they sum to n."""
+    if copies.ndim == 1:
+        return np.arange(copies.size).repeat(copies)
+    all_rows = np.arange(copies.size).repeat(copies.ravel())
+    return np.asarray(all_rows.reshape((*copies.shape[:-1], n)) % copies.shape[-1])
+
+
 def _located(w: Floats, places: Floats) -> Indices:
     """The particle in whose share of the cumulative weights each of the ascending places (..., n) in [0, 1) lies."""
-    sums = np.cumsum(w, axis=-1)
-    sums /= sums[..., -1:]  # the last is exactly one: no place is beyond it
-    return _rank(sums, np.minimum(places, BELOW_ONE if w.ndim == 1 else BELOW_ROW))
-
-
-def _rank(sums: Floats, places: Floats) -> Indices:
-    """How many of the ascending sums (..., P) are at or below each place (..., n)."""
-    if sums.ndim == 1:
-        return sums.searchsorted(places, side='right')
-    rows = int(np.prod(sums.shape[:-1]))
-    # One ascending axis for all: row r lies within [r, r + 1) times the row's last sum, which all rows share.
-    lift = np.arange(rows).reshape((*sums.shape[:-1], 1))
-    found = (sums + sums[..., -1:] * lift).ravel().searchsorted((places + sums[..., -1:] * lift).ravel(), side='right')
+    sums = _shares(w)
+    if w.ndim == 1:
+        return sums.searchsorted(np.minimum(places, BELOW_ONE), side='right')
+    places = np.minimum(places, BELOW_ROW)
+    # One ascending axis for all: row r lies within [r, r + 1).
+    lift = np.arange(math.prod(sums.shape[:-1])).reshape((*sums.shape[:-1], 1))
+    found = (sums + lift).ravel().searchsorted((places + lift).ravel(), side='right')
     return np.asarray(found.reshape(places.shape) - lift * sums.shape[-1], dtype=np.int64)
