@@ -71,6 +71,17 @@ def test_report_that_was_held_up_belongs_to_its_request_and_moves_no_other(perio
             assert times == sorted(times)
 
 
+def test_report_that_was_held_up_after_a_pause_moves_no_other():
+    """The robot pauses for 2 s, the link for 4: counted back from the last request before, it would be too old."""
+    host = Host()
+    for k in range(40):
+        host.pair(k, 250 * k)
+    after = [(k, 250 * k + 2000) for k in range(40, 60)]
+    assert host.pair(*after[8]) == (48, True)
+    assert host.pair(41, after[8][1] + 10) == (41, True)
+    assert [host.pair(*word) for word in after[9:]] == [(k, True) for k in range(49, 60)]
+
+
 def test_robot_that_restarts_goes_on_upwards():
     host = Host()
     for k in range(200):

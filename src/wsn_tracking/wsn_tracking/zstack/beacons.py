@@ -62,7 +62,8 @@ def pair(robot: Robot, beacon_seq: int | None, time_ns: int, pair_ns: int = PAIR
 def _time_of(robot: Robot, earlier: int, seq: int, time_ns: int) -> int | None:
     """When request `earlier` was, if a report of it was held up until `time_ns`; None where it is of `seq` after all.
 
-    The requests that are known tell how fast the robot counts: `seq` cannot have come in less than half its time.
+    The requests that are known tell how fast the robot counts: `seq` cannot have come in less than half its time. A
+    robot that paused counted no faster: what follows the request tells how late it may have been.
     """
     (first, first_ns), (newest, newest_ns) = robot.requests[0], robot.requests[-1]
     if newest - earlier >= KEPT or newest == first:
@@ -70,9 +71,13 @@ def _time_of(robot: Robot, earlier: int, seq: int, time_ns: int) -> int | None:
     period_ns = (newest_ns - first_ns) / (newest - first)
     if 2 * (time_ns - newest_ns) >= (seq - newest) * period_ns:
         return None
-    number, near_ns = min(robot.requests, key=lambda r: abs(r[0] - earlier))
-    then_ns = round(near_ns + (earlier - number) * period_ns)
-    return then_ns if 0 <= time_ns - then_ns <= HELD_UP_NS else None
+    nearest = min(robot.requests, key=lambda r: abs(r[0] - earlier))
+    following = next(request for request in robot.requests if request[0] > earlier or request[0] == newest)
+    for number, near_ns in (nearest, following):
+        then_ns = round(near_ns + (earlier - number) * period_ns)
+        if 0 <= time_ns - then_ns <= HELD_UP_NS:
+            return then_ns
+    return None
 
 
 def _open(robot: Robot, seq: int, time_ns: int) -> Paired:
