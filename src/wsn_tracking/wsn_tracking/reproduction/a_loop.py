@@ -13,9 +13,9 @@ from wsn_tracking.reproduction.quantities import bars, change, curve, path, rati
 from wsn_tracking.sensing import trigger
 from wsn_tracking.simulation.scenarios import scenario
 from wsn_tracking.studies import random_q_runs as runs_of
+from wsn_tracking.studies.random_q import ALPHAS, signals
 from wsn_tracking.studies.random_q_noise import identity_noise
 
-ALPHAS = (0.2, 0.25, 0.27, 0.3, 0.5)
 SAVED = 56.54  # [%]
 
 
@@ -24,10 +24,7 @@ def loop(seed: int, runs: int) -> Samples:
     L = scenario('a_loop')
     samples: dict[str, Floats] = {}
     for alpha in ALPHAS:
-        step = trigger.event(trigger.EventThresholds(alpha=alpha))
-        sensed = runs_of.sense(L, runs_of.repeated(L, runs), step, np.random.default_rng(seed))
-        samples[f'sent {alpha:g}'] = np.sum(sensed.verdicts == trigger.SENT, axis=(1, 2)).astype(np.float64)
-        samples[f'in radius {alpha:g}'] = np.sum(runs_of.in_radius(sensed), axis=(1, 2)).astype(np.float64)
+        samples[f'sent {alpha:g}'], samples[f'in radius {alpha:g}'] = signals(alpha, runs, seed)
     generator = np.random.default_rng(seed + 1)
     step = trigger.event(trigger.EventThresholds(alpha=L.alpha))
     sensed = runs_of.sense(L, runs_of.repeated(L, runs), step, generator)

@@ -20,6 +20,7 @@ from wsn_tracking.studies.reference import posterior_means
 from wsn_tracking.studies.results import Result
 from wsn_tracking.trackers.random_q_config import NoiseConfig, RandomQConfig, UpdateConfig
 
+ALPHAS = (0.2, 0.25, 0.27, 0.3, 0.5)  # weights of the event trigger's pre-filter
 UPDATES = {
     'ckf_measured': UpdateConfig(kind='ckf', r='measured'),
     'ckf_predicted': UpdateConfig(kind='ckf', r='predicted'),
@@ -30,14 +31,17 @@ UPDATES = {
 
 def trigger_rate(runs: int = 1000, seed: int = 1) -> Result:
     """Share of the signals in radius that the event trigger sends on a_loop, by the weight of its pre-filter."""
-    L = scenario('a_loop')
-    shares = {}
-    for alpha in (0.2, 0.25, 0.27, 0.3, 0.5):
-        step = trigger.event(trigger.EventThresholds(alpha=alpha))
-        sensed = runs_of.sense(L, runs_of.repeated(L, runs), step, np.random.default_rng(seed))
-        sent = np.sum(sensed.verdicts == trigger.SENT, axis=(1, 2))
-        shares[f'alpha_{alpha:g}'] = ratio_of(sent, np.sum(runs_of.in_radius(sensed), axis=(1, 2)))
+    shares = {f'alpha_{alpha:g}': ratio_of(*signals(alpha, runs, seed)) for alpha in ALPHAS}
     return {'runs': runs, 'seed': seed, 'sent_of_in_radius': shares}
+
+
+def signals(alpha: float, runs: int, seed: int) -> tuple[Floats, Floats]:
+    """How many signals of each run (runs,) on a_loop the event trigger sends, and how many are in radius."""
+    L = scenario('a_loop')
+    step = trigger.event(trigger.EventThresholds(alpha=alpha))
+    sensed = runs_of.sense(L, runs_of.repeated(L, runs), step, np.random.default_rng(seed))
+    sent, heard = (np.sum(mask, axis=(1, 2)) for mask in (sensed.verdicts == trigger.SENT, runs_of.in_radius(sensed)))
+    return sent.astype(np.float64), heard.astype(np.float64)
 
 
 def update_forms(runs: int = 1000, seed: int = 1) -> Result:
