@@ -6,7 +6,7 @@ import dataclasses
 
 from graph_cases import a_loop
 
-from wsn_tracking.evaluation.run import Sensing, run_random_q
+from wsn_tracking.evaluation.run_random_q import Sensing, run_random_q
 from wsn_tracking.sensing.stage import TriggerConfig
 from wsn_tracking.trackers.estimator import EstimatorConfig
 

@@ -11,7 +11,8 @@ from run_cases import NEAR, TRIGGER, estimators, run
 
 from wsn_tracking.bags.estimates import differences
 from wsn_tracking.errors import TrackingError
-from wsn_tracking.evaluation.run import Sensing, summarise
+from wsn_tracking.evaluation.run import summarise
+from wsn_tracking.evaluation.run_random_q import Sensing
 from wsn_tracking.graphs import source_of
 from wsn_tracking.offline import offline
 from wsn_tracking.sensing.values import EpochEnd, Rssi, TriggerReport

@@ -11,7 +11,8 @@ from run_cases import NEAR, SENSING, TRIGGER, estimators, run
 
 from wsn_tracking.bags.estimates import differences
 from wsn_tracking.errors import TrackingError
-from wsn_tracking.evaluation.run import Sensing, epochs_of, run_random_q, summarise
+from wsn_tracking.evaluation.run import epochs_of, summarise
+from wsn_tracking.evaluation.run_random_q import Sensing, run_random_q
 from wsn_tracking.sensing.stage import TriggerConfig
 from wsn_tracking.sensing.values import EpochEnd, Request, Rssi
 from wsn_tracking.trackers.estimate import Kind

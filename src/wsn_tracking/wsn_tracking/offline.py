@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from wsn_tracking.evaluation.run import Progress, Run, Sensing, merged, run_random_q, silent
+from wsn_tracking.evaluation.run import Progress, Run, merged, silent
 from wsn_tracking.evaluation.run_consensus import run_consensus
+from wsn_tracking.evaluation.run_random_q import Sensing, run_random_q
 from wsn_tracking.evaluation.run_trackers import run_trackers
 from wsn_tracking.graphs.consensus import ConsensusPlan
 from wsn_tracking.graphs.parts import Plan, Source

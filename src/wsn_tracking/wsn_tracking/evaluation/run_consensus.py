@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Mapping
 
-from wsn_tracking.evaluation.run import Progress, Run, Span, count_epoch, epochs_of, silent, told
+from wsn_tracking.evaluation.run import Progress, Run, Span, silent, told, watched_epochs
 from wsn_tracking.sensing.recording import Recording
-from wsn_tracking.sensing.values import EpochEnd
 from wsn_tracking.trackers.consensus_config import ConsensusConfig
 from wsn_tracking.trackers.consensus_network import run_epoch
 from wsn_tracking.trackers.consensus_node import ConsensusNode
@@ -26,15 +25,13 @@ def run_consensus(
     nodes = {i: ConsensusNode(config, recording.anchors, i) for i in ids}
     estimates: dict[str, list[Estimate]] = {f'consensus_{i}': [] for i in ids}
     counters: Counter[str] = Counter(recording.dropped)
-    total = sum(isinstance(message, EpochEnd) for message in recording.messages)
     spans: dict[int, Span] = {}
 
     def anew() -> None:
         for node in nodes.values():
             node.reset()
 
-    for epoch in progress(epochs_of(recording, target_id, counters, anew), total):
-        count_epoch(spans, epoch)
+    for epoch in watched_epochs(recording, target_id, counters, spans, anew, progress):
         living = [i for i in ids if dead is None or i not in dead or epoch.request_seq < dead[i]]
         for estimate in run_epoch(nodes, dict.fromkeys(living, epoch)).values():
             estimates[estimate.source].append(estimate)

@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Mapping
 
-from wsn_tracking.evaluation.run import Progress, Run, Span, count_epoch, epochs_of, silent, told
+from wsn_tracking.evaluation.run import Progress, Run, Span, silent, told, watched_epochs
 from wsn_tracking.sensing.recording import Recording, of_target
-from wsn_tracking.sensing.values import EpochEnd
 from wsn_tracking.trackers.estimate import Estimate
 from wsn_tracking.trackers.tracker import Tracker
 
@@ -19,10 +18,8 @@ def run_trackers(recording: Recording, trackers: Mapping[int, Tracker], progress
     spans: dict[int, Span] = {}
     for target, tracker in trackers.items():
         own = of_target(recording, target)._replace(dropped={})
-        total = sum(isinstance(message, EpochEnd) for message in own.messages)
         heard: Counter[str] = Counter()
-        for epoch in progress(epochs_of(own, target, heard, tracker.reset), total):
-            count_epoch(spans, epoch)
+        for epoch in watched_epochs(own, target, heard, spans, tracker.reset, progress):
             for estimate in tracker.step(epoch):
                 estimates.setdefault(estimate.source, []).append(estimate)
         counters.update(heard)
