@@ -1,13 +1,14 @@
 """The primitives of square-root filters: triangular roots, cubature points and regression by them."""
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from oracles import H, beliefs, moments, properties, seeds
 
 from wsn_tracking.filters.belief import Belief
 from wsn_tracking.filters.cubature import points, regress
-from wsn_tracking.filters.linalg import matvec, solve, transpose, tria
+from wsn_tracking.filters.linalg import every, gramian, matvec, product, solve, some, transpose, tria
 
 matrices = st.tuples(st.integers(1, 6), st.integers(0, 6), st.sampled_from([(), (3,), (2, 2)]), seeds)
 
@@ -40,6 +41,25 @@ def test_solve_and_matvec_are_each_others_inverse():
     rng = np.random.default_rng(2)
     L, b = tria(rng.standard_normal((5, 2, 4, 4))), rng.standard_normal((5, 2, 4))
     np.testing.assert_allclose(matvec(L, solve(L, b)), b, rtol=1e-9)
+
+
+@pytest.mark.parametrize('left', [(), (3,), (2, 1)])
+@pytest.mark.parametrize('right', [(), (3,), (2, 3)])
+def test_products_are_the_sums_that_they_stand_for_whatever_the_batch(left, right):
+    rng = np.random.default_rng(3)
+    A, B, b = (rng.standard_normal(shape) for shape in ((*left, 4, 5), (*right, 5, 2), (*right, 5)))
+    np.testing.assert_allclose(product(A, B), np.einsum('...ij,...jk->...ik', A, B), rtol=0.0, atol=1e-13)
+    np.testing.assert_allclose(matvec(A, b), np.einsum('...ij,...j->...i', A, b), rtol=0.0, atol=1e-13)
+    np.testing.assert_allclose(gramian(A), np.einsum('...ij,...kj->...ik', A, A), rtol=0.0, atol=1e-13)
+
+
+@pytest.mark.parametrize('shape', [(), (0,), (3,), (2, 3), (100, 4)])
+def test_masks_are_asked_as_numpy_would(shape):
+    full = np.ones(shape, dtype=np.bool_)
+    for mask in (full, ~full, np.arange(full.size).reshape(shape) > 0):
+        for view in (mask, mask.T, mask[::-1] if mask.ndim else mask):
+            assert every(view) == view.all()
+            assert some(view) == view.any()
 
 
 @properties

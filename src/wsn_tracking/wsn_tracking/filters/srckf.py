@@ -13,7 +13,7 @@ from wsn_tracking.filters import gram, qr
 from wsn_tracking.filters.belief import Belief
 from wsn_tracking.filters.blocks import BLOCK, in_blocks
 from wsn_tracking.filters.cubature import Regression, regress
-from wsn_tracking.filters.linalg import matvec, transpose
+from wsn_tracking.filters.linalg import every, matvec, transpose
 from wsn_tracking.models.anchors import Floats, Mask
 from wsn_tracking.models.measurement import Function
 
@@ -94,8 +94,8 @@ def condition(prior: Belief, z: Floats, r: Regression, root_R: Floats, form: str
 
 def _trusted_or(fast: Belief, trusted: Mask, exact: Callable[[], Belief]) -> Belief:
     """The fast belief, and the exact one where any of its pivots (..., k) is not to be trusted."""
-    if 0 not in trusted.tobytes():  # a tenth of what `all` takes
+    if every(trusted):
         return fast
     m, chol_P = exact()
-    every = np.asarray(trusted.all(axis=-1))[..., None]
-    return Belief(np.where(every, fast.m, m), np.where(every[..., None], fast.chol_P, chol_P))
+    whole = np.asarray(trusted.all(axis=-1))[..., None]
+    return Belief(np.where(whole, fast.m, m), np.where(whole[..., None], fast.chol_P, chol_P))

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from wsn_tracking.filters.linalg import identity
+from wsn_tracking.filters.linalg import every, identity, some
 from wsn_tracking.models.anchors import Floats, Mask
 
 STEPS = 60
@@ -36,7 +36,7 @@ def minimise_trace(Y: Floats, w: Floats) -> Floats:
         step = np.where(done, 0.0, _direction(here, w))
         gain = -(step * here.g).sum(axis=-1, keepdims=True)
         last = gain <= TOLERANCE * here.f
-        if last.all():
+        if every(last):
             return _moved(w, step, _limit(w, step))
         w, here, stuck = _descend(Y, w, here, step, last)
         done |= last | stuck
@@ -61,7 +61,7 @@ def _direction(here: Expansion, w: Floats) -> Floats:
     step = _newton(here, free)
     for _ in range(w.shape[-1]):
         blocked = (w == 0.0) & (step < 0.0)
-        if not blocked.any():
+        if not some(blocked):
             break
         free &= ~blocked
         step = _newton(here, free)
@@ -73,7 +73,7 @@ def _newton(here: Expansion, free: Mask) -> Floats:
     J = free.shape[-1]
     # a whiff of the identity: estimates that are equal leave H singular, and any split of their weight is right
     H = here.H / here.f[..., None] + 1e-12 * identity(J)
-    if not free.all():
+    if not every(free):
         H = np.where(free[..., :, None] & free[..., None, :], H, identity(J))
     A = np.zeros((*free.shape[:-1], J + 1, J + 2))  # the last column is the right hand side
     A[..., :J, :J] = H
@@ -89,7 +89,7 @@ def _descend(Y: Floats, w: Floats, here: Expansion, step: Floats, last: Mask) ->
         moved = _moved(w, step, length)
         there = expand(Y, moved)
         worse = (there.f > here.f * (1.0 + NOISE)) & ~last
-        if not worse.any():
+        if not some(worse):
             return moved, there, worse
         length = np.where(worse, length / 2.0, length)
     moved = np.where(worse, w, moved)
