@@ -95,6 +95,8 @@ def test_neighbours_may_be_named():
         ConsensusNode(ConsensusConfig(scheme='chebyshev', rounds=30), anchors, 1, neighbours=(14, 5))
     with pytest.raises(TrackingError, match=r'nodes \[99\]'):
         ConsensusNode(ConsensusConfig(), anchors, 1, neighbours=(99,))
+    with pytest.raises(TrackingError, match='name itself'):
+        ConsensusNode(ConsensusConfig(), anchors, 1, neighbours=(5, 1))
 
 
 def test_nodes_that_agree_say_so():

@@ -50,6 +50,8 @@ class ConsensusNode:
         self.anchor = anchors.select([node_id])
         graph, row = adjacency(anchors.positions, config.radius), int(anchors.rows(node_id))
         if neighbours:
+            if node_id in neighbours:
+                raise TrackingError(f'`neighbours` of node {node_id} name itself, for which it would wait: name others')
             graph[row] = graph[:, row] = np.isin(anchors.ids, anchors.select(neighbours).ids)
         x = dict(zip(anchors.ids[graph[row]].tolist(), anchors.positions[graph[row], 0].tolist(), strict=True))
         self.inbox = Inbox(config, node_id, float(anchors.positions[row, 0]), x)
