@@ -54,23 +54,20 @@ class Watchdog:
             if self._misses >= dialogue.timeout.misses:
                 raise TrackingError(f'the sink has not answered {self._misses} pings: is it still there?') from None
             return True
-        has_forgotten = self._has_forgotten()
-        dialogue.counters['found_down'] += has_forgotten is True
-        dialogue.restarted |= has_forgotten is not False
+        if self._has_forgotten():
+            dialogue.counters['found_down'] += 1
+            dialogue.restarted = True
         return True
 
-    def _has_forgotten(self) -> bool | None:
-        """The line may have lost what a sink said when it restarted: without network or endpoint no message comes.
-
-        None: it may have, and may know us again by now.
-        """
+    def _has_forgotten(self) -> bool:
+        """The line may have lost what a sink said when it restarted: without network or endpoint no message comes."""
         device = _try(self._dialogue, UtilGetDeviceInfo(), UtilGetDeviceInfoRsp)
-        if isinstance(device, UtilGetDeviceInfoRsp) and device.state != COORDINATOR_UP:
-            return True
+        if not isinstance(device, UtilGetDeviceInfoRsp):
+            return False
         try:
-            return register(self._dialogue, self._radio)
+            return device.state != COORDINATOR_UP or register(self._dialogue, self._radio)
         except TrackingError:
-            return None
+            return False
 
 
 def speak(dialogue: Dialogue, outbox: Outbox, questions: Questions) -> bool:
