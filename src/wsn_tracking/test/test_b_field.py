@@ -142,3 +142,11 @@ def test_the_command_line_takes_parameters(call, tmp_path):
         ended = call('simulate', 'b_field', '-o', tmp_path / 'other', *arguments)
         assert (ended.code, ended.err.count('\n')) == (1, 1)
         assert words in ended.err
+
+
+@pytest.mark.parametrize('nodes', [10, 400])
+def test_a_grown_field_is_as_dense_and_of_the_same_shape(nodes):
+    field, grown = FieldConfig(), b_field.grown(FieldConfig(), nodes)
+    assert grown.nodes == nodes
+    assert grown.nodes / (grown.width * grown.depth) == pytest.approx(field.nodes / (field.width * field.depth))
+    assert grown.width / grown.depth == pytest.approx(field.width / field.depth)

@@ -11,7 +11,7 @@ from wsn_tracking.fusion.consensus import SCHEMES
 from wsn_tracking.fusion.exchange import Exchange
 from wsn_tracking.models.anchors import Floats, Mask
 from wsn_tracking.models.graph import adjacency
-from wsn_tracking.simulation.b_field import FieldConfig
+from wsn_tracking.simulation.b_field import FieldConfig, grown
 from wsn_tracking.studies.consensus_runs import sample
 from wsn_tracking.trackers.consensus import Network, Nodes
 from wsn_tracking.trackers.consensus_config import ConsensusConfig
@@ -56,10 +56,8 @@ def loop(graph: Mask, x: Floats) -> Work:
 
 def scenario_b(runs: int, nodes: int = 50, epochs: int = 50) -> Work:
     """All epochs of so many runs, in blocks; the field keeps its density."""
-    side = float(np.sqrt(nodes / 50.0))
-    field = FieldConfig(nodes=nodes, width=350.0 * side, depth=400.0 * side, epochs=epochs)
     block = min(runs, BLOCK)
-    worlds = sample(field, block, 1)
+    worlds = sample(grown(FieldConfig(epochs=epochs), nodes), block, 1)
 
     def track() -> Nodes:
         for _ in range(max(runs // block, 1)):

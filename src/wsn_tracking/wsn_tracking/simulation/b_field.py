@@ -6,8 +6,9 @@ the nodes read by the recording's, epoch by epoch.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import NamedTuple
 
@@ -61,6 +62,12 @@ class FieldConfig:
         if len(self.mean) != 4 or len(self.std) != 4:
             raise TrackingError('`mean` and `std` take four numbers each: x, y, vx, vy')
         return self
+
+
+def grown(config: FieldConfig, nodes: int) -> FieldConfig:
+    """The field with so many nodes, and as dense."""
+    side = math.sqrt(nodes / config.nodes)
+    return replace(config, nodes=nodes, width=config.width * side, depth=config.depth * side)
 
 
 class Readings(NamedTuple):

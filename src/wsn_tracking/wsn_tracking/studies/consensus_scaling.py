@@ -8,23 +8,22 @@ from dataclasses import replace
 import numpy as np
 
 from wsn_tracking.models.graph import adjacency, degrees, diameter
-from wsn_tracking.simulation.b_field import FieldConfig
+from wsn_tracking.simulation.b_field import FieldConfig, grown
 from wsn_tracking.studies import consensus_runs as runs_of
 from wsn_tracking.studies.consensus_runs import rmse, traffic
 from wsn_tracking.studies.consensus_schemes import Row, Table
 from wsn_tracking.trackers.consensus_config import ConsensusConfig
 
 SIZES = (10, 25, 50, 100, 200, 400)  # nodes
+EPOCHS = 20
 
 
 def scaling(field: FieldConfig, node_epochs: int, seed: int) -> Table:
     """From 10 to 400 nodes at the density of the document: what a node-epoch costs and what a node sends."""
     table = []
     for nodes in SIZES:
-        side = float(np.sqrt(nodes / 50.0))
-        grown = replace(field, nodes=nodes, width=350.0 * side, depth=400.0 * side, epochs=20)
-        runs = max(node_epochs // (nodes * grown.epochs), 1)
-        worlds = runs_of.sample(grown, runs, seed)
+        runs = max(node_epochs // (nodes * EPOCHS), 1)
+        worlds = runs_of.sample(replace(grown(field, nodes), epochs=EPOCHS), runs, seed)
         graph = adjacency(worlds.positions, ConsensusConfig().radius)
         row: Row = {'name': f'{nodes} nodes', 'runs': runs, 'neighbours': float(np.mean(degrees(graph)))}
         row['diameter'] = diameter(graph)
