@@ -146,7 +146,7 @@ def test_the_command_line_takes_parameters(call, tmp_path):
 
 @pytest.mark.parametrize('nodes', [10, 400])
 def test_a_grown_field_is_as_dense_and_of_the_same_shape(nodes):
-    field, grown = FieldConfig(), b_field.grown(FieldConfig(), nodes)
+    field, grown = FieldConfig(), world.grown(FieldConfig(), nodes)
     assert grown.nodes == nodes
     assert grown.nodes / (grown.width * grown.depth) == pytest.approx(field.nodes / (field.width * field.depth))
     assert grown.width / grown.depth == pytest.approx(field.width / field.depth)
