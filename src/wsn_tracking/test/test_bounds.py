@@ -5,7 +5,7 @@ import pytest
 
 from wsn_tracking.models.motion import constant_velocity, turn_jacobian
 from wsn_tracking.models.noise import white_acceleration
-from wsn_tracking.studies.bounds import path_bound, range_bearing_information, scalar_information
+from wsn_tracking.reproduction.bounds import path_bound, range_bearing_information, scalar_information
 
 F = constant_velocity(1.0)
 Q = np.square(0.1) * white_acceleration(1.0, 1.0) @ white_acceleration(1.0, 1.0).T

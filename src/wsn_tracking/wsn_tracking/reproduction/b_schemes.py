@@ -11,11 +11,11 @@ from wsn_tracking.models.anchors import Floats
 from wsn_tracking.models.motion import constant_velocity
 from wsn_tracking.models.noise import white_acceleration
 from wsn_tracking.reproduction.b_field import CM, settled
+from wsn_tracking.reproduction.bounds import path_bound, range_bearing_information
 from wsn_tracking.reproduction.claims import BEYOND, Claim, Experiment, Figure, Plot, Samples
 from wsn_tracking.reproduction.quantities import bars, mean, ratio, root_mean
 from wsn_tracking.simulation.b_field import FieldConfig
 from wsn_tracking.studies import consensus_runs as runs_of
-from wsn_tracking.studies.bounds import path_bound, range_bearing_information
 from wsn_tracking.studies.consensus_runs import SETTLED, Worlds
 from wsn_tracking.studies.consensus_schemes import guards
 from wsn_tracking.trackers.consensus_config import ConsensusConfig

@@ -9,9 +9,9 @@ import numpy as np
 from wsn_tracking.evaluation.metrics import nees
 from wsn_tracking.models.anchors import Floats
 from wsn_tracking.models.motion import constant_velocity
+from wsn_tracking.reproduction.bounds import path_bound, scalar_information
 from wsn_tracking.reproduction.claims import PICTURE, Samples
 from wsn_tracking.simulation.d_cells import nodes
-from wsn_tracking.studies.bounds import path_bound, scalar_information
 from wsn_tracking.studies.hybrid_runs import Runs, listened, track
 from wsn_tracking.trackers.hybrid_config import HybridConfig, MotionConfig
 

@@ -9,10 +9,10 @@ from wsn_tracking.models.links import Loss, gamma
 from wsn_tracking.models.motion import turn_jacobian
 from wsn_tracking.models.noise import turn_noise
 from wsn_tracking.models.radio import relative_range_std
+from wsn_tracking.reproduction.bounds import path_bound, scalar_information
 from wsn_tracking.reproduction.claims import Experiment, Samples
 from wsn_tracking.simulation.e_loss import PERIOD, anchors_of
 from wsn_tracking.studies import loss_runs
-from wsn_tracking.studies.bounds import path_bound, scalar_information
 from wsn_tracking.studies.loss import FILTERS, LOST, squares
 from wsn_tracking.studies.loss_runs import Worlds
 from wsn_tracking.trackers.loss_tolerant_config import LossTolerantConfig
