@@ -17,7 +17,7 @@ from wsn_tracking.nodes.assembly import TICK, Assembly
 from wsn_tracking.nodes.base import TrackingNode, run
 from wsn_tracking.nodes.health import Health, peers, worst
 from wsn_tracking.nodes.inputs import Input
-from wsn_tracking.sensing.channel import check_channel
+from wsn_tracking.sensing.channel_file import check_channel
 from wsn_tracking.sensing.values import Epoch, EpochEnd
 from wsn_tracking.trackers.estimate import Estimate
 from wsn_tracking.trackers.estimator import make_estimator
@@ -34,7 +34,6 @@ class EstimatorNode(TrackingNode[EstimatorNodeConfig]):
         self.config.checked()
         check_channel(self.config.channel)
         config = self.config
-        self._own = config.id
         self._gate = FusionGate(config.id, config.all_peers, config.fusion_timeout)
         self._parts: tuple[LocalEstimator, Fuser] | None = None
         self._queue: deque[Epoch] = deque()
