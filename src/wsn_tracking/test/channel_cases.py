@@ -7,7 +7,8 @@ import re
 import numpy as np
 
 from wsn_tracking.models.anchors import make_anchors
-from wsn_tracking.sensing.channel import Channel, Quantity, Ranging, save_channel
+from wsn_tracking.sensing.channel import Channel, Quantity, Ranging
+from wsn_tracking.sensing.channel_file import save_channel
 from wsn_tracking.sensing.channel_fit import fit_path_loss
 from wsn_tracking.sensing.channel_text import channel_text
 from wsn_tracking.sensing.survey import survey_of_places

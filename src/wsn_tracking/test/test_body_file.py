@@ -9,7 +9,8 @@ from wsn_tracking.bags.save import save
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.models.body import LOS, SINGLE
 from wsn_tracking.sensing.body_fit import fit_worn
-from wsn_tracking.sensing.channel import Body, Quantity, body_of, load_channel, save_channel
+from wsn_tracking.sensing.channel import Body, Quantity
+from wsn_tracking.sensing.channel_file import body_of, load_channel, save_channel
 from wsn_tracking.simulation.c_body import BodyConfig
 from wsn_tracking.simulation.record import record
 from wsn_tracking.simulation.scenarios import scenario

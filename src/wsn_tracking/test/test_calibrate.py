@@ -16,7 +16,7 @@ from wsn_tracking.errors import TrackingError
 from wsn_tracking.evaluation.run import summarise
 from wsn_tracking.models.radio import range_at
 from wsn_tracking.offline import offline
-from wsn_tracking.sensing.channel import calibrated, load_channel
+from wsn_tracking.sensing.channel_file import calibrated, load_channel
 from wsn_tracking.sensing.values import Range, Rssi
 from wsn_tracking.simulation.record import record
 from wsn_tracking.simulation.scenarios import scenario

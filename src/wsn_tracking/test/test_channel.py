@@ -12,7 +12,8 @@ from wsn_tracking.errors import TrackingError
 from wsn_tracking.models.anchors import make_anchors
 from wsn_tracking.models.measurement import rssi_function
 from wsn_tracking.models.radio_map import residual
-from wsn_tracking.sensing.channel import apply, calibrated, lacking, load_channel
+from wsn_tracking.sensing.channel import apply, lacking
+from wsn_tracking.sensing.channel_file import calibrated, load_channel
 from wsn_tracking.sensing.values import Epoch, Range, Rssi
 from wsn_tracking.trackers.estimator import EstimatorConfig, make_estimator
 

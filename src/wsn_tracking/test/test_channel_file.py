@@ -8,8 +8,8 @@ from channel_cases import GOOD, a_channel, changed
 
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.models.radio_map import residual
-from wsn_tracking.sensing.channel import check_channel, load_channel, save_channel
-from wsn_tracking.sensing.channel_file import parse_channel
+from wsn_tracking.sensing.channel_file import check_channel, load_channel, save_channel
+from wsn_tracking.sensing.channel_parse import parse_channel
 from wsn_tracking.sensing.channel_text import channel_text
 
 

@@ -10,7 +10,8 @@ from wsn_tracking.errors import TrackingError
 from wsn_tracking.models.body import SINGLE
 from wsn_tracking.models.radio_map import make_map
 from wsn_tracking.models.walk import STATES
-from wsn_tracking.sensing.channel import Channel, PathLoss, Quantity, save_channel
+from wsn_tracking.sensing.channel import Channel, PathLoss, Quantity
+from wsn_tracking.sensing.channel_file import save_channel
 from wsn_tracking.sensing.values import Epoch
 from wsn_tracking.simulation.c_body import BodyConfig
 from wsn_tracking.simulation.record import START_NS, TARGET

@@ -12,7 +12,8 @@ from wsn_tracking.bags.importing.run import ONE, import_set
 from wsn_tracking.bags.read import read
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.models.anchors import make_anchors
-from wsn_tracking.sensing.channel import Channel, Quantity, Ranging, save_channel
+from wsn_tracking.sensing.channel import Channel, Quantity, Ranging
+from wsn_tracking.sensing.channel_file import save_channel
 from wsn_tracking.sensing.recording import Recording
 from wsn_tracking.sensing.values import Request
 

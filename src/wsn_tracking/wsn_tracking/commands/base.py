@@ -11,7 +11,7 @@ from typing import Any
 from wsn_tracking.configuration import configuration_names, parse_setting
 from wsn_tracking.graphs import SYSTEMS
 from wsn_tracking.parameters import Values
-from wsn_tracking.sensing.channel import check_channel
+from wsn_tracking.sensing.channel_file import check_channel
 
 Commands = Any  # what argparse's add_subparsers returns; it has no public name
 

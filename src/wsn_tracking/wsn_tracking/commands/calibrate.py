@@ -43,7 +43,8 @@ def add(commands: Commands) -> None:
 
 def _do(options: argparse.Namespace) -> int:
     from wsn_tracking.errors import TrackingError
-    from wsn_tracking.sensing.channel import Channel, save_channel
+    from wsn_tracking.sensing.channel import Channel
+    from wsn_tracking.sensing.channel_file import save_channel
     from wsn_tracking.sensing.channel_fit import fit_path_loss, fit_ranging
     from wsn_tracking.surveys import open_survey
 
@@ -69,7 +70,7 @@ def _do(options: argparse.Namespace) -> int:
 def _of_body(options: argparse.Namespace) -> int:
     from wsn_tracking.errors import TrackingError
     from wsn_tracking.sensing.body_fit import fit_worn
-    from wsn_tracking.sensing.channel import load_channel, save_channel
+    from wsn_tracking.sensing.channel_file import load_channel, save_channel
     from wsn_tracking.surveys import open_walk
 
     if options.map:

@@ -7,7 +7,7 @@ from collections.abc import Hashable, Sequence
 from typing import NamedTuple
 
 from wsn_tracking.evaluation.run import Progress, Run, Span, silent, told, watched_epochs
-from wsn_tracking.sensing.channel import calibrated
+from wsn_tracking.sensing.channel_file import calibrated
 from wsn_tracking.sensing.recording import Recording
 from wsn_tracking.sensing.stage import SensingStage, TriggerConfig
 from wsn_tracking.sensing.values import Epoch, TriggerReport

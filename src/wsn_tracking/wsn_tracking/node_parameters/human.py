@@ -8,7 +8,7 @@ from typing import ClassVar
 from wsn_tracking.models.anchors import Anchors
 from wsn_tracking.node_parameters.trackers import TrackerNodeConfig
 from wsn_tracking.parameters import param
-from wsn_tracking.sensing.channel import check_channel
+from wsn_tracking.sensing.channel_file import check_channel
 from wsn_tracking.sensing.floor_plan import read_floor_plan
 from wsn_tracking.trackers.human import HumanTracker
 from wsn_tracking.trackers.human_config import HumanConfig

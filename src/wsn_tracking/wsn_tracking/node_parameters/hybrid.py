@@ -8,7 +8,7 @@ from typing import ClassVar
 from wsn_tracking.models.anchors import Anchors
 from wsn_tracking.node_parameters.trackers import TrackerNodeConfig
 from wsn_tracking.parameters import param
-from wsn_tracking.sensing.channel import check_channel
+from wsn_tracking.sensing.channel_file import check_channel
 from wsn_tracking.trackers.hybrid import HybridTracker
 from wsn_tracking.trackers.hybrid_config import HybridConfig
 

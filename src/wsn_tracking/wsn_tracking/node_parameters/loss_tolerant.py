@@ -7,7 +7,7 @@ from typing import ClassVar
 
 from wsn_tracking.models.anchors import Anchors
 from wsn_tracking.node_parameters.trackers import TrackerNodeConfig
-from wsn_tracking.sensing.channel import check_channel
+from wsn_tracking.sensing.channel_file import check_channel
 from wsn_tracking.trackers.loss_tolerant import OUTPUT, LossTolerantTracker
 from wsn_tracking.trackers.loss_tolerant_config import LossTolerantConfig
 

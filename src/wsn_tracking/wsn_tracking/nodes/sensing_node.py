@@ -12,7 +12,7 @@ from wsn_tracking.node_parameters.sensing import SensingNodeConfig
 from wsn_tracking.nodes import convert, qos
 from wsn_tracking.nodes.assembly import Assembly
 from wsn_tracking.nodes.base import TrackingNode, run
-from wsn_tracking.sensing.channel import calibrated, check_channel
+from wsn_tracking.sensing.channel_file import calibrated, check_channel
 from wsn_tracking.sensing.stage import SensingStage
 from wsn_tracking.sensing.values import Epoch, EpochEnd, Reason
 

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import logging
 from collections.abc import Mapping
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -106,54 +104,3 @@ def _rows(channel: Channel, anchors: Anchors) -> NDArray[np.int64]:
             f'{anchors.ids.tolist()}: give the calibration of this network'
         )
     return rows
-
-
-def calibrated(path: str, anchors: Anchors) -> tuple[Anchors, RadioMap | None]:
-    """The anchors with the radio of a channel file, and its map; as they are where the path is empty.
-
-    Nodes that the file lacks keep the radio of the anchors, which is said in a warning.
-    """
-    if not path:
-        return anchors, None
-    channel = load_channel(path)
-    try:
-        absent = lacking(channel, anchors)
-    except TrackingError as error:
-        raise TrackingError(f'{path}: {error}') from None
-    if absent:
-        logging.getLogger(__name__).warning(
-            '%s lacks nodes %s: they keep the radio of the anchors, uncalibrated', path, list(absent)
-        )
-    return apply(channel, anchors), channel.radio_map
-
-
-def body_of(path: str) -> Body | None:
-    """The body in a channel file; None where it tells of none, or the path is empty."""
-    return load_channel(path).body if path else None
-
-
-def check_channel(path: str) -> None:
-    """Raise TrackingError where a path that is given leads to no channel: before anything starts, not within."""
-    if path:
-        load_channel(path)
-
-
-def load_channel(path: Path | str) -> Channel:
-    """Read a channel file; TrackingError where it is none."""
-    from wsn_tracking.files import read_whole
-    from wsn_tracking.sensing.channel_file import parse_channel  # what reads YAML is needed here alone
-
-    try:
-        text = read_whole(path).decode('utf-8')
-    except (OSError, ValueError) as error:
-        reason = error.strerror if isinstance(error, OSError) else 'it is no text'
-        raise TrackingError(f'channel {path} cannot be read ({reason}): expected a file of `calibrate`') from error
-    return parse_channel(text, str(path))
-
-
-def save_channel(path: Path | str, channel: Channel) -> None:
-    """Write a channel file, whole or not at all; an existing file is replaced."""
-    from wsn_tracking.files import write_whole
-    from wsn_tracking.sensing.channel_text import channel_text
-
-    write_whole(path, channel_text(channel).encode())

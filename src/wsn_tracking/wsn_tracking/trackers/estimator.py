@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.models.anchors import Anchors
 from wsn_tracking.parameters import group, param
-from wsn_tracking.sensing.channel import calibrated
+from wsn_tracking.sensing.channel_file import calibrated
 from wsn_tracking.trackers.fusing import Fuser, FusionConfig
 from wsn_tracking.trackers.random_q import LocalEstimator
 from wsn_tracking.trackers.random_q_config import RandomQConfig

@@ -18,7 +18,7 @@ from wsn_tracking.models.draws import Stream
 from wsn_tracking.models.map_excess import with_map
 from wsn_tracking.models.region import Region, region_of
 from wsn_tracking.models.walk import PLANAR, PSI, YAW
-from wsn_tracking.sensing.channel import body_of, calibrated
+from wsn_tracking.sensing.channel_file import body_of, calibrated
 from wsn_tracking.sensing.floor_plan import read_floor_plan
 from wsn_tracking.sensing.values import Epoch
 from wsn_tracking.trackers.estimate import Estimate, Kind

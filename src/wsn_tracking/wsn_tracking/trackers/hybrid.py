@@ -16,7 +16,7 @@ from wsn_tracking.models.anchors import Anchors, Floats
 from wsn_tracking.models.motion import constant_velocity
 from wsn_tracking.models.region import region_of
 from wsn_tracking.sensing.average import without_bearings
-from wsn_tracking.sensing.channel import calibrated
+from wsn_tracking.sensing.channel_file import calibrated
 from wsn_tracking.sensing.values import Epoch
 from wsn_tracking.trackers import hybrid_literal as literal
 from wsn_tracking.trackers import hybrid_steps as steps

@@ -17,7 +17,7 @@ from wsn_tracking.models.anchors import Anchors
 from wsn_tracking.models.motion import TURNING_STATES
 from wsn_tracking.models.region import region_of
 from wsn_tracking.sensing.average import usable, without_bearings
-from wsn_tracking.sensing.channel import calibrated
+from wsn_tracking.sensing.channel_file import calibrated
 from wsn_tracking.sensing.values import Epoch, Measurement
 from wsn_tracking.trackers.estimate import Estimate, Kind
 from wsn_tracking.trackers.loss_tolerant_config import LossTolerantConfig

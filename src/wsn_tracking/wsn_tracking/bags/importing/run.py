@@ -52,7 +52,7 @@ def _recordings(kind: str, src: Path, out: Path, rate: float | None) -> Iterable
 
 def with_channel(recording: Recording, path: Path) -> Recording:
     """The recording with the radios of a calibration file."""
-    from wsn_tracking.sensing.channel import calibrated
+    from wsn_tracking.sensing.channel_file import calibrated
 
     anchors, _ = calibrated(str(path), recording.anchors)
     return recording._replace(anchors=anchors, metadata={**recording.metadata, 'channel': path.name})

@@ -10,7 +10,8 @@ from wsn_tracking import graphs
 from wsn_tracking.bags.importing.run import import_set
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.evaluation.score import SKIP_S
-from wsn_tracking.sensing.channel import Channel, save_channel
+from wsn_tracking.sensing.channel import Channel
+from wsn_tracking.sensing.channel_file import save_channel
 from wsn_tracking.sensing.channel_fit import fit_path_loss, fit_ranging
 from wsn_tracking.sensing.recording import Recording
 from wsn_tracking.surveys import open_survey
