@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from wsn_tracking.filters.linalg import identity, transpose
+from wsn_tracking.filters.linalg import every, identity, some, transpose
 from wsn_tracking.filters.resampling import Indices, Resampler
 from wsn_tracking.models.anchors import Floats, Mask
 
@@ -44,7 +44,7 @@ def log_sum(l: Floats) -> Floats:
     """log sum exp over the last axis, (..., P) -> (...); -inf where every term is."""
     top = l.max(axis=-1)
     known = np.isfinite(top)
-    if known.all():
+    if every(known):
         return np.asarray(np.log(np.exp(l - top[..., None]).sum(axis=-1)) + top)
     total = np.exp(l - np.where(known, top, 0.0)[..., None]).sum(axis=-1)
     return np.asarray(np.where(known, np.log(np.maximum(total, 1.0)) + top, top))
@@ -58,7 +58,7 @@ def reweighed(cloud: Cloud, l: Floats) -> tuple[Cloud, Floats]:
     """
     joint = cloud.log_w + l
     top = joint.max(axis=-1)
-    if np.isfinite(top).all():
+    if every(np.isfinite(top)):
         w = np.exp(joint - top[..., None])
         total = w.sum(axis=-1)
         evidence = np.asarray(np.log(total) + top)
@@ -96,10 +96,10 @@ def resampled(
     A number that differs must be wanted by all. w: the weights, where they are at hand.
     """
     P, wanted = cloud.log_w.shape[-1], np.asarray(wanted)
-    if not wanted.any():
+    if not some(wanted):
         return Resampled(cloud, None)
     parents = resampler(cloud.w if w is None else w, n or P, generator)
-    if wanted.all():
+    if every(wanted):
         return Resampled(equal(taken(cloud.s, parents)), parents)
     parents = np.where(wanted[..., None], parents, np.arange(P))
     log_w = np.where(wanted[..., None], -np.log(P), cloud.log_w)

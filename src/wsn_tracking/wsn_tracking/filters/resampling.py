@@ -69,7 +69,7 @@ def _thinned(drawn: Indices, keep: Floats, generator: np.random.Generator) -> ND
 
 def _shares(w: Floats) -> Floats:
     """The cumulative weights (..., P), of which the last is exactly one: no place in [0, 1) is beyond it."""
-    sums = np.cumsum(w, axis=-1)
+    sums = w.cumsum(axis=-1)
     sums /= sums[..., -1:]
     return sums
 

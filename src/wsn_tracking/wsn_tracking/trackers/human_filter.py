@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wsn_tracking.filters.adaptive import enough
+from wsn_tracking.filters.linalg import some
 from wsn_tracking.filters.link_offsets import Offsets, drifted, learnt, unknown
 from wsn_tracking.filters.particle import Cloud, descended, equal, moments, resampled, reweighed, taken, worth
 from wsn_tracking.filters.resampling import RESAMPLERS, Indices
@@ -104,7 +105,7 @@ class HumanFilter:
         thin = track.started & self._is_thin(silent)
         anew = (lost | ~track.started | thin) & any_heard
         parents = track.parents
-        if anew.any():
+        if some(anew):
             near = prior if np.any(thin & ~lost & any_heard) else None
             cloud, parents, V = self._placed(cloud, near, thin & ~lost, parents, V, anew, readings, generator)
         w = cloud.w
