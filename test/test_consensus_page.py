@@ -41,17 +41,51 @@ def test_faults_are_quoted():
 
 
 def test_links_are_quoted():
-    links = ROWS['links']
     for scheme, *cells, death in rows('scheme | none lost'):
-        lost = (100 * links[f'{scheme}, {share}% lost']['rmse_m'] for share in (0, 30, 50))
+        lost = (100 * ROWS['links'][f'{scheme}, {share}% lost']['rmse_m'] for share in (0, 30, 50))
         quoted(*zip(cells, lost, strict=True))
-        survived = links[f'{scheme}, the same, where that parts nobody (99 runs)']['rmse_m']
-        quoted((death, survived / links[f'{scheme}, the same runs without a death']['rmse_m']))
-    names = ('components of five or more', 'components of two to four', 'nodes alone')
-    for name, (_, share, rmse, nees, median) in zip(names, rows('component'), strict=True):
-        found = links[f'the same, {name}']
-        quoted((share.removesuffix(' %'), 100 * found['share_of_nodes']), (rmse.removesuffix(' m'), found['rmse_m']))
-        quoted((nees, found['nees']), (median, found['nees_median_run']))
+        quoted((death, ROWS['deaths'][scheme]['ratio_together']))
+
+
+def test_deaths_that_part_a_field_are_quoted():
+    cm = ROWS['deaths']['cm']
+    cut_off = [key for key in cm if key.startswith('cut_off')]
+    words = told('over @ deaths', PAGE) + told('@ of these deaths part the field, and cut off @ nodes, @ % of', PAGE)
+    of_cut_off = (sum(cm[key] for key in cut_off), 100 * cm['share_cut_off'])
+    quoted(*zip(words, (cm['deaths'], cm['parting'], *of_cut_off), strict=True))
+    words = told('has an error of @ m from then on, in a part of two to four @ m, of five or more @ m', PAGE)
+    quoted(*zip(words, (cm[key.replace('cut_off', 'rmse_m')] for key in cut_off), strict=True))
+    words = told('outweigh everybody else, @ times', PAGE) + told(
+        'not, @ % cost at most a tenth, the median one @ %', PAGE
+    )
+    ratios = (cm['ratio_all'], 100 * cm['share_up_to_1.1'], 100 * (cm['median_ratio'] - 1))
+    quoted(*zip(words, ratios, strict=True))
+
+
+def test_parts_are_quoted():
+    sizes = ('alone', 'two_to_four', 'five_or_more')
+    found = ROWS['parts']
+    words = told('a node is alone (@ %), one of two to four (@ %), or of five or more (@ %)', PAGE)
+    shares = (100 * found['uniform model, w = 4'][f'share_{size}'] for size in sizes)
+    quoted(*zip(words, shares, strict=True))
+    cells = rows('loss model, w')
+    assert len(cells) == len(found)
+    for name, *values, tests in cells:
+        model, w = name.removesuffix(' (default)').split(', ')
+        row = found[f'{model} model, w = {w}']
+        columns = (row['nees'], *(row[f'nees_{size}'] for size in sizes))
+        columns += (row['rmse_m'], *(row[f'rmse_m_{size}'] for size in sizes))
+        quoted(*zip(values, columns, strict=True))
+        quoted((tests.removesuffix(' %'), 100 * row['batches_up_to_5']))
+    plain, one, alone = (ROWS['schemes'][name] for name in ('cm, L = 20, w = 1', 'flood, 1 hops', 'no consensus'))
+    words = told('`cm` with L = 20 has @ cm and NEES @ with w = 1', PAGE)
+    quoted(*zip(words, (100 * plain['rmse_m'], plain['nees']), strict=True))
+    words = told('one hop then has @ cm and NEES @, with w = 4 @ cm and @', PAGE)
+    pairs = [(100 * row['rmse_m'], row['nees']) for row in (ROWS['schemes']['flood, 1 hops, w = 1'], one)]
+    quoted(*zip(words, (*pairs[0], *pairs[1]), strict=True))
+    words = told('no consensus at all @ m and @, with w = 4 @ m and @', PAGE)
+    pairs = [(row['rmse_m'], row['nees']) for row in (ROWS['schemes']['no consensus, w = 1'], alone)]
+    quoted(*zip(words, (*pairs[0], *pairs[1]), strict=True))
 
 
 def test_growth_is_quoted():

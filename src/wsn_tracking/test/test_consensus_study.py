@@ -12,6 +12,7 @@ from wsn_tracking.studies import consensus, consensus_parts, consensus_scaling
 def test_the_study_writes_every_table(tmp_path, capsys, monkeypatch):
     monkeypatch.setattr(consensus_scaling, 'SIZES', (10, 25))
     monkeypatch.setattr(consensus_parts, 'DYING', 1)
+    monkeypatch.setattr(consensus_parts, 'VARIANTS', [('uniform', 4.0)])
     assert consensus.main(['-o', str(tmp_path), '--runs', '1']) == 0
     content = json.loads((tmp_path / 'consensus.json').read_text())
     assert list(content['tables']) == ['schemes', 'ten_bytes', 'faults', 'links', 'deaths', 'parts', 'scaling']

@@ -38,7 +38,7 @@ def study(runs: int) -> Mapping[str, Table]:
         'faults': lambda: faults(field, runs, SEED),
         'links': lambda: links(worlds),
         'deaths': lambda: deaths(worlds),
-        'parts': lambda: parts(field, 3 * runs, SEED),
+        'parts': lambda: parts(field, 10 * runs, SEED),
         'scaling': lambda: scaling(field, 100 * runs * 10, SEED),
     }
     results = {}

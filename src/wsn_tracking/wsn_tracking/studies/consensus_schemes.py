@@ -13,7 +13,7 @@ from wsn_tracking.models.graph import adjacency, degrees
 from wsn_tracking.studies import consensus_runs as runs_of
 from wsn_tracking.studies.consensus_raw import track_raw
 from wsn_tracking.studies.consensus_runs import Scores, Worlds, mean_nees, median_nees, rmse, traffic
-from wsn_tracking.trackers.consensus_config import ConsensusConfig
+from wsn_tracking.trackers.consensus_config import ConsensusConfig, ObservationConfig
 
 Row = dict[str, Any]
 Table = list[Row]
@@ -26,9 +26,9 @@ def scored(name: str, scores: Scores, more: Mapping[str, Any]) -> Row:
 
 
 def variants() -> Mapping[str, ConsensusConfig]:
-    """The schemes and how many rounds they are given; chebyshev is given what it asks for."""
+    """The schemes and how many rounds they are given; chebyshev is given what it asks for. w: linearisation_epochs."""
     cm = ConsensusConfig(scheme='cm')
-    return {
+    told = {
         'centralised': replace(cm, scheme='flood', rounds=49),
         **{f'cm, L = {L}': replace(cm, rounds=L) for L in (5, 10, 20, 40, 100)},
         **{f'icf, L = {L}': replace(cm, scheme='icf', rounds=L) for L in (5, 10, 20)},
@@ -36,6 +36,10 @@ def variants() -> Mapping[str, ConsensusConfig]:
         'hcmci, L = 20': replace(cm, scheme='hcmci'),
         'no consensus': replace(cm, rounds=0),
     }
+    kalman = ObservationConfig(linearisation_epochs=1.0)
+    for name in ('cm, L = 20', 'flood, 1 hops', 'no consensus'):
+        told[f'{name}, w = 1'] = replace(told[name], observation=kalman)
+    return told
 
 
 def schemes(worlds: Worlds) -> Table:
