@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from loss_cases import ANCHORS, EPOCHS, FILTERS, GIVEN, TRUTH, WORLD, errors, tracked
+from loss_cases import ANCHORS, EPOCHS, FILTERS, GIVEN, SECOND, TRUTH, WORLD, errors, tracked
 from oracles import properties
 
 from wsn_tracking.bags.estimates import differences
 from wsn_tracking.evaluation.run import epochs_of
+from wsn_tracking.models.anchors import make_anchors
 from wsn_tracking.sensing.values import Epoch, Modality, Range, RangeBearing, Rssi
 from wsn_tracking.simulation.e_loss import LossConfig, e_loss
 from wsn_tracking.simulation.record import record
@@ -99,6 +100,18 @@ def test_a_filter_that_runs_away_is_caught():
     assert np.sqrt(np.mean(errors(estimates, TRUTH)[10:] ** 2)) < 12.0
     far = replace(GIVEN, mean=(500.0, 24.0, 0.0, 0.0), std=(0.1, 0.1, 0.1, 0.1))
     assert tracked(LossTolerantConfig(start=far), EPOCHS[:2])[1].counters == {'reacquired_after_divergence': 1}
+
+
+@pytest.mark.parametrize('name', FILTERS)
+def test_a_node_that_stands_alone_leaves_the_covariance_bounded(name):
+    """By its readings the target may be anywhere on a ring: it is never less known than within the area's side."""
+    alone = make_anchors([1], [[50.0, 50.0]])
+    area = (0.0, 0.0, 100.0, 100.0)
+    given = [Epoch(1, k, k * SECOND, (Rssi(k * SECOND, 1, 1, k, k, -82.0),)) for k in range(120)]
+    estimates, _ = tracked(LossTolerantConfig(filter=name, area=area), given, alone)
+    for e in estimates:
+        assert np.all(np.isfinite(e.mean))
+        assert math.sqrt(np.trace(e.covariance[:2, :2])) <= 100.0 * (1.0 + 1e-9)
 
 
 @st.composite

@@ -49,6 +49,8 @@ class LossTolerantTracker:
             anchors, config.target_height, UpdateConfig(range_std=config.update.range_std), radio_map
         )
         self._area = tuple(config.area) or area_of(anchors)
+        x_min, y_min, x_max, y_max = region_of(self._area).box
+        self._wide = max(x_max - x_min, y_max - y_min)
         self._filter = filter_of(config)
         self.counters: Counter[str] = Counter()
         self.reset()
@@ -137,13 +139,27 @@ class LossTolerantTracker:
         """Move the belief on; the nodes whose readings were used."""
         predicted = self._filter.predict(self._belief, dt)
         z, h, noise, used = self._gate(predicted, readings)
-        self._belief = keep_inside(self._filter.update(predicted, z, h, noise), self.config.area)
+        updated = keep_inside(self._filter.update(predicted, z, h, noise), self.config.area)
+        self._belief = self._no_wider_than_the_area(updated) if used else updated
         rejects = self.config.reacquire.rejects
         if self._is_nowhere(self._belief):
             self._start_anew('reacquired_after_divergence')
         elif rejects and self._rejects >= rejects:
             self._start_anew('reacquired_after_rejects')
         return used
+
+    def _no_wider_than_the_area(self, belief: Belief) -> Belief:
+        """The belief, with less uncertainty where its position is known to less than the longer side of the area.
+
+        The points of a rule that is wider than the field lie beyond all nodes, which then read the same at each: the
+        readings tell nothing, and the covariance grows from epoch to epoch, about a node that stands alone for ever.
+        """
+        spread = float(np.linalg.norm(belief.chol_P[:2]))
+        if spread <= self._wide:
+            return belief
+        chol_P = belief.chol_P.copy()
+        chol_P[:4] *= self._wide / spread
+        return Belief(belief.m, chol_P)
 
     def _is_nowhere(self, belief: Belief) -> bool:
         """Whether a filter has run away: off the area by more than its size, or faster than anything that starts here.
@@ -152,7 +168,7 @@ class LossTolerantTracker:
         """
         m = belief.m
         x_min, y_min, x_max, y_max = region_of(self._area).box
-        wide = max(x_max - x_min, y_max - y_min)
+        wide = self._wide
         near = x_min - wide <= m[0] <= x_max + wide and y_min - wide <= m[1] <= y_max + wide
         return not (near and math.hypot(m[2], m[3]) <= RUNAWAY * self.config.start.speed)
 
