@@ -108,6 +108,13 @@ def test_the_area_round_the_nodes_has_room_beside_them():
     np.testing.assert_allclose(area_of(far), (-10.0, -10.0, 50.0, 20.0))
 
 
+@pytest.mark.parametrize('ids', [[1], [1, 2, 3]])
+def test_nodes_at_one_place_leave_as_much_room_as_a_radio_reaches(ids):
+    x_min, y_min, x_max, y_max = area_of(make_anchors(ids, [[7.0, -2.0]] * len(ids)))
+    assert (0.5 * (x_min + x_max), 0.5 * (y_min + y_max)) == (7.0, -2.0)
+    assert min(x_max - x_min, y_max - y_min) >= 2 * 20.0  # a hall of 40 m, in the middle of which they hang
+
+
 @pytest.mark.parametrize('area', [(-1.0, 0.5, 4.0, 0.5 + 1e-7), (0.5, -1.0, 0.5 + 1e-7, 4.0), (0.0, 0.0, 1e6, 1e-3)])
 def test_an_area_without_width_is_a_line(area):
     """Its middle line: nothing is looked for beside it, and what is found lies on it."""

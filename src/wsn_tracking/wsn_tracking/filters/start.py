@@ -14,6 +14,7 @@ from wsn_tracking.models.region import region_of
 
 LONGEST = 1024  # cells along one side: of a corridor without end they are longer than it is wide
 TINY = 1e-300  # least likelihood: an epoch may contradict another, it rules nothing out
+ALONE = 30.0  # [m] how far off a target may be where all nodes are at one place: what a radio reaches indoors
 Area = tuple[float, ...]  # as the parameter `area`: a rectangle or corners
 
 
@@ -27,9 +28,13 @@ class Sight(NamedTuple):
 
 
 def area_of(anchors: Anchors, margin: float = 0.25) -> Area:
-    """The rectangle round the nodes, widened by a share of its longer side [m]."""
+    """The rectangle round the nodes, widened by a share of its longer side [m], at least by 1 m.
+
+    One place, of one node or of all, says nothing of how large the field is: targets are then as far off as it reaches.
+    """
     low, high = anchors.positions[:, :2].min(axis=0), anchors.positions[:, :2].max(axis=0)
-    wider = max(margin * float((high - low).max()), 1.0)
+    side = float((high - low).max())
+    wider = max(margin * side, 1.0) if side > 0.0 else ALONE
     return (
         float(low[0]) - wider,
         float(low[1]) - wider,
