@@ -4,8 +4,12 @@ from __future__ import annotations
 
 import json
 
+import numpy as np
+import pytest
 from cli_cases import EPOCHS
+from graph_cases import a_loop
 
+from wsn_tracking.bags.save import save
 from wsn_tracking.evaluation.run import summarise
 from wsn_tracking.evaluation.summary import pool_summaries
 from wsn_tracking.graphs import open_bag
@@ -34,6 +38,29 @@ def test_evaluate_prints_a_table_and_writes_the_same_for_machines(call, bags, tm
         assert f'{s.rmse_m:.3f}' in ended.out
     assert told['epochs'] == EPOCHS
     assert told['input'] == {}
+
+
+@pytest.mark.parametrize(
+    ('told', 'words', 'height', 'asks'),
+    [
+        ({}, (), 1.25, True),
+        ({}, (), 0.0, False),
+        ({}, ('--set', 'target_height=1.25'), 1.25, False),
+        ({'target_height': '1.25'}, (), 1.25, False),
+    ],
+    ids=['unknown', 'on the ground', 'given', 'in the bag'],
+)
+def test_a_truth_of_a_height_that_nobody_told_is_pointed_out(call, tmp_path, told, words, height, asks):
+    flat = a_loop(2)
+    metadata = {key: value for key, value in flat.metadata.items() if key != 'target_height'} | told
+    truth = {
+        target: t._replace(positions=t.positions + np.array([0.0, 0.0, height])) for target, t in flat.truth.items()
+    }
+    save(tmp_path / 'high', flat._replace(truth=truth, metadata=metadata))
+    ended = call('evaluate', tmp_path / 'high', '--skip', '0', *words)
+    assert ended.code == 0
+    assert ended.err.endswith('try --set target_height=1.25\n') == asks
+    assert bool(ended.err) == asks
 
 
 def test_several_bags_are_pooled(call, bags, tmp_path):

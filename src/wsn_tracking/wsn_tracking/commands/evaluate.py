@@ -11,6 +11,9 @@ from wsn_tracking.commands.base import Commands, add_bag, add_command, add_track
 from wsn_tracking.commands.plot import draw
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.evaluation.summary import Summary
+from wsn_tracking.sensing.recording import Recording
+
+FLAT = 0.05  # [m] heights below do not show in ranges of some metres
 
 
 def add(commands: Commands) -> None:
@@ -61,7 +64,18 @@ def _evaluated(bag: str, options: argparse.Namespace) -> Summary:
     summary = summarise(source.title, recording, run, options.skip)
     if not summary.outputs:
         print(f'{bag}: no truth/target_<id> of what was tracked, so nothing can be scored', file=sys.stderr)
+    if not options.config and 'target_height' not in {**source.metadata, **settings(options)}:
+        _ask_for_height(bag, recording)
     if options.plot:
         folder = Path(options.plot, source.title) if len(options.bags) > 1 else Path(options.plot)
         draw(folder, source, recording, run, options.skip)
     return summary
+
+
+def _ask_for_height(bag: str, recording: Recording) -> None:
+    """Distances are three-dimensional: where nobody tells how high the target is, its truth may contradict 0 m."""
+    heights = [height for truth in recording.truth.values() for height in truth.positions[:, 2].tolist()]
+    height = sorted(heights)[len(heights) // 2] if heights else 0.0
+    if abs(height) > FLAT:
+        told = f'the truth is {height:.2f} m high, the trackers were told 0 m: try --set target_height={height:.2f}'
+        print(f'{bag}: {told}', file=sys.stderr)
