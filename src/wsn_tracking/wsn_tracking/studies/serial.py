@@ -7,7 +7,6 @@ as processes of their own; one more process notes when measurements arrive.
 from __future__ import annotations
 
 import json
-import os
 import random
 import select
 import statistics
@@ -28,6 +27,7 @@ from wsn_tracking.parameters import Values
 from wsn_tracking.simulation.record import record
 from wsn_tracking.simulation.scenarios import scenario
 from wsn_tracking.sink_thread import SinkThread
+from wsn_tracking.studies.live_graph import alone
 from wsn_tracking.studies.results import Result, Studies, call
 from wsn_tracking.zstack.commands import decode
 from wsn_tracking.zstack.motes import Message
@@ -153,9 +153,8 @@ STUDIES: Studies = {'serial': {'end_to_end': end_to_end, 'noise': noise}}
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Entry point; the exit status. Each graph is this host's alone."""
-    os.environ.setdefault('ROS_AUTOMATIC_DISCOVERY_RANGE', 'LOCALHOST')
-    os.environ.setdefault('ROS_DOMAIN_ID', str(1 + os.getpid() % 99))  # nobody else's
+    """Entry point; the exit status."""
+    alone()
     return call('wsn_tracking.studies.serial', 'Run the long runs of the serial line.', STUDIES, arguments)
 
 
