@@ -51,6 +51,37 @@ def test_network_that_is_as_asked_for_is_not_formed_again(sink, host):
     assert not sink.questions(WRITES)
 
 
+def test_network_that_a_sink_remembers_is_not_formed_again_when_it_restarts(sink, host):
+    """It is down until it is started, and tells nothing of it before."""
+    sink.answers = script(state=0)
+    sink.answers[c.ZdoExtNwkInfo] = lambda asked: [
+        c.ZdoExtNwkInfoRsp(0, 9, 0x1A63, 0, 1, 0, 15) if sink.questions(c.ZdoStartup) else c.RpcError(2, 0x25, 0x50)
+    ]
+    up = host(**forming())
+    up.wait_up()
+    assert not sink.questions(WRITES)
+
+
+def test_network_is_formed_once(sink, host):
+    """Also where the sink never tells which network it has: what comes after a replug is attached to."""
+    sink.answers[c.ZdoExtNwkInfo] = [c.RpcError(2, 0x25, 0x50)]
+    up = host(**forming())
+    up.wait_up()
+    sink.unplug()
+    up.until(lambda: up.events('lost'))
+    sink.plug()
+    up.wait_up(2)
+    assert len(sink.questions(c.SysResetReq)) == 1
+
+
+def test_forming_that_fails_is_not_tried_for_ever(sink, host):
+    sink.answers = script(product=2)
+    sink.answers[c.BdbStartCommissioning] = [c.BdbStartCommissioningRsp(1)]
+    up = host(**forming())
+    up.until(lambda: 'nothing more is erased' in up.session.status.error)
+    assert len(sink.questions(c.SysResetReq)) == FAST.tries
+
+
 @pytest.mark.parametrize(
     ('kind', 'answer', 'words'),
     [

@@ -13,26 +13,31 @@ from wsn_tracking.zstack.commands import (
     NvWrite,
     NvWriteRsp,
     SysResetReq,
-    ZdoExtNwkInfoRsp,
 )
 from wsn_tracking.zstack.dialogue import Dialogue
 from wsn_tracking.zstack.settings import FormConfig
-from wsn_tracking.zstack.startup import Sink, await_coordinator, start
+from wsn_tracking.zstack.startup import Sink, await_coordinator, network_info, start
 
 CLEAR_ALL = b'\x03'  # configuration and network state, at the next start
 COORDINATOR = b'\x00'
 
 
-def is_formed(network: ZdoExtNwkInfoRsp | None, config: FormConfig) -> bool:
-    """Whether the network is the one that is asked for: then there is nothing to form."""
-    if network is None or network.state != COORDINATOR_UP:
-        return False
-    return network.channel == config.channel and network.pan_id == config.pan_id
+def is_formed(dialogue: Dialogue, sink: Sink, config: FormConfig) -> bool:
+    """Whether the network is the one that is asked for: then there is nothing to form.
+
+    A sink that has restarted tells nothing of the network that it remembers until that is started.
+    """
+    if sink.device is None or sink.device.state != COORDINATOR_UP:
+        try:
+            start(dialogue)
+        except TrackingError:
+            return False
+    network = network_info(dialogue)
+    return network is not None and (network.channel, network.pan_id) == (config.channel, config.pan_id)
 
 
 def form(dialogue: Dialogue, sink: Sink, config: FormConfig) -> None:
-    """Erase and form; TrackingError without the right confirmation, and where the sink refuses."""
-    _check(sink, config.confirm)
+    """Erase and form, where `check_confirmed` was content; TrackingError where the sink refuses."""
     mask = 1 << config.channel
     _write(dialogue, Nv.STARTUP_OPTION, CLEAR_ALL)
     _reset(dialogue)
@@ -51,7 +56,8 @@ def form(dialogue: Dialogue, sink: Sink, config: FormConfig) -> None:
     await_coordinator(dialogue)
 
 
-def _check(sink: Sink, confirm: str) -> None:
+def check_confirmed(sink: Sink, confirm: str) -> None:
+    """TrackingError unless it is this sink whose network may be erased."""
     if sink.device is None:
         raise TrackingError('the sink does not tell its IEEE address: nothing is formed')
     try:

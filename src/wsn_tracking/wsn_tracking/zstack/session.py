@@ -14,7 +14,7 @@ from wsn_tracking.zstack.commands.table import BY_CLASS
 from wsn_tracking.zstack.conversation import Questions, Watchdog, speak
 from wsn_tracking.zstack.counters import new_counters
 from wsn_tracking.zstack.dialogue import Dialogue
-from wsn_tracking.zstack.forming import form, is_formed
+from wsn_tracking.zstack.forming import check_confirmed, form, is_formed
 from wsn_tracking.zstack.frames import Kind
 from wsn_tracking.zstack.line import Bell, Line
 from wsn_tracking.zstack.link import LinkEvent, Status
@@ -23,7 +23,7 @@ from wsn_tracking.zstack.protocols import Item, protocol_of
 from wsn_tracking.zstack.queues import Inbox, Outbox, Outgoing, Received
 from wsn_tracking.zstack.reports import Report
 from wsn_tracking.zstack.settings import LinkConfig
-from wsn_tracking.zstack.startup import attach, network_info, probe
+from wsn_tracking.zstack.startup import Sink, attach, probe
 
 
 class Session:
@@ -39,6 +39,8 @@ class Session:
         self._protocol = protocol_of(config.sink_protocol, config.radio, config.timeout.gap)
         self._wake = wake
         self._was_up = False  # since the port was opened
+        self._formings = 0
+        self._has_formed = False
         self._dialogue: Dialogue | None = None  # on the port that is open
         self._bell = Bell()
         self._stop = threading.Event()
@@ -148,8 +150,20 @@ class Session:
         self.status = self.status._replace(phase='probing')
         sink = probe(dialogue, toggle_dtr_rts=config.toggle_dtr_rts)
         self.status = self.status._replace(sink=sink)
-        if config.form.confirm and not is_formed(network_info(dialogue), config.form):
-            form(dialogue, sink, config.form)
+        if config.form.confirm and not self._has_formed and not is_formed(dialogue, sink, config.form):
+            self._form(dialogue, sink)
+
+    def _form(self, dialogue: Dialogue, sink: Sink) -> None:
+        """Once: what is erased again and again wears the sink's memory out, and its nodes lose their network."""
+        form_config, tries = self.config.form, self.config.timeout.tries
+        check_confirmed(sink, form_config.confirm)
+        if self._formings >= tries:
+            raise TrackingError(
+                f'no network came of forming one {tries} times: nothing more is erased until a new start'
+            )
+        self._formings += 1
+        form(dialogue, sink, form_config)
+        self._has_formed = True
 
     def _attach(self, dialogue: Dialogue) -> None:
         """Attach, and again if the sink restarts meanwhile."""
