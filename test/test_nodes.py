@@ -235,3 +235,34 @@ def test_a_feed_outlives_the_recorder_of_its_own_graph_only():
         with ended([str(executable('world_node')), '--ros-args', *words], env=environment) as world:
             assert world.wait(2.0 * TIMEOUT) == 0
         other.destroy_node()
+
+
+def test_a_feed_ends_where_another_graph_tells_its_epochs_too():
+    """Estimators that an earlier run left behind, or a run of somebody else: the results of both would be mixed."""
+    words = ['-p', 'window_topics:=[estimate/fused_1]', '-p', 'rate:=0.0', '-p', f'output_timeout:={TIMEOUT}']
+    estimate = msg.TargetEstimate(
+        target_id=1, source='fused_1', state_names=['x', 'y'], mean=[0.0] * 2, covariance=[1.0, 0.0, 0.0, 1.0]
+    )
+    with live.private_domain() as environment, observing(environment) as observer:
+        told = observer.node.create_publisher(msg.TargetEstimate, 'estimate/fused_1', qos.ESTIMATES)
+        command = [str(executable('world_node')), '--ros-args', *words]
+        with ended(command, env=environment, stderr=subprocess.STDOUT) as world:
+
+            def has_ended():
+                told.publish(estimate)
+                return world.poll() is not None
+
+            observer.until(has_ended, TIMEOUT, 'end of the feed')
+            assert world.returncode == 1
+            assert 'estimate/fused_1 told epoch 0 of target 1' in world.stdout.read()
+
+
+def test_a_second_feed_does_not_begin_while_another_is_there():
+    words = ['--ros-args', '-p', 'expected_nodes:=[somebody]', '-p', 'rate:=0.0', '-p', f'ready_timeout:={TIMEOUT}']
+    with live.private_domain() as environment, observing(environment) as observer:
+        observer.node.create_publisher(msg.LocationRequest, 'request', qos.FED)
+        observer.node.create_publisher(String, 'ready', qos.LATCHED).publish(String(data='somebody'))
+        command = [str(executable('world_node')), *words]
+        with ended(command, env=environment, stderr=subprocess.STDOUT) as world:
+            told = next(line for line in world.stdout if 'begun' in line)
+    assert 'another node publishes /request: not begun before it has gone' in told

@@ -18,6 +18,7 @@ from typing import Any
 from wsn_tracking.configuration import is_of_ros
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.graphs import Process
+from wsn_tracking.lifeline import tied
 from wsn_tracking.node_parameters.common import NodeConfig
 from wsn_tracking.node_parameters.executables import EXECUTABLES
 from wsn_tracking.parameters import Values, build, specs
@@ -144,7 +145,7 @@ def _requests_to_end() -> Iterator[Sequence[int]]:
 def _start(words: Sequence[str]) -> subprocess.Popen[bytes]:
     try:
         # a session of its own: the shell's Ctrl-C reaches this program alone, which then ends all in order
-        return subprocess.Popen(words, start_new_session=True)
+        return subprocess.Popen(words, start_new_session=True, env=tied(os.environ))
     except OSError as error:
         raise TrackingError(f'{words[0]} cannot be started ({error.strerror}): build the workspace anew') from error
 

@@ -26,6 +26,7 @@ from std_msgs.msg import String
 from wsn_tracking_msgs import msg
 
 from wsn_tracking.errors import TrackingError
+from wsn_tracking.lifeline import follow
 from wsn_tracking.models.anchors import Anchors
 from wsn_tracking.node_parameters.common import NodeConfig
 from wsn_tracking.nodes import convert, qos
@@ -191,6 +192,7 @@ class TrackingNode(Node, Generic[Config]):
 
 def run(make: Callable[[], TrackingNode[Any]]) -> None:
     """Spin a node until it is finished, interrupted or told to stop; what is wrong at its start is told in one line."""
+    follow()
     remove_unfinished()
     code, begun, node, executor = 0, False, None, None
     try:

@@ -2,6 +2,9 @@
 
 Nothing is sent before every expected node is ready. The feed stays within a window of epochs ahead of the
 outputs named in `window_topics`, so that no queue grows; at rate 0 the window alone sets the pace.
+
+Where another graph has the same names, neither's results are worth anything: a feed with `expected_nodes` waits until
+no other feed is there, and ends with an error where its outputs are told by others as well.
 """
 
 from __future__ import annotations
@@ -21,6 +24,7 @@ from wsn_tracking.errors import TrackingError
 from wsn_tracking.node_parameters.feeds import RECORDER, FeedConfig
 from wsn_tracking.nodes import convert, qos
 from wsn_tracking.nodes.base import Finished, TrackingNode
+from wsn_tracking.nodes.echoes import Echoes
 from wsn_tracking.nodes.health import OK, Health, outputs
 from wsn_tracking.nodes.progress import Bar
 from wsn_tracking.nodes.window import Window
@@ -38,6 +42,7 @@ TYPES = {
 }
 TICK = 0.002  # [s]
 LOOK = 0.05  # [s] between two looks at who is still there
+APART = 'end it, or set another ROS_DOMAIN_ID'
 
 
 def _watched(entry: str) -> tuple[str, int]:
@@ -68,7 +73,9 @@ class FeedNode(TrackingNode[Config]):
         self._window = Window(topics, self._playback.epochs, self.config.window, self.config.output_timeout)
         for topic in topics:
             self.take(msg.TargetEstimate, topic, convert.estimate_value, self._progress(topic), qos.ESTIMATES)
+        self._echoes = Echoes(self._playback.epochs)
         self._awaited = {name for name in self.config.expected_nodes if name}
+        self._in_graph = bool(self._awaited)  # whoever starts nodes by hand may feed them from several
         self.create_subscription(String, 'ready', self._heard_ready, qos.LATCHED)
         self.create_publisher(msg.Anchors, 'anchors', qos.LATCHED_LAST).publish(
             convert.anchors_message(self._recording.anchors, self._first_ns)
@@ -87,6 +94,12 @@ class FeedNode(TrackingNode[Config]):
 
     def _progress(self, topic: str) -> Any:
         def heard(estimate: Any, now: float) -> None:
+            echo = self._echoes.is_one(topic, (estimate.target_id, estimate.request_seq))
+            if echo or self._begun is None:
+                told = f'told epoch {estimate.request_seq} of target {estimate.target_id}'
+                when = 'before that was sent' if self._begun is None else 'once more than it was sent'
+                self.get_logger().error(f'{topic} {told} {when}: another graph runs here; {APART}')
+                raise Finished(1)
             self._window.heard(topic, estimate.target_id, estimate.request_seq, now)
             self._advance()
 
@@ -133,15 +146,23 @@ class FeedNode(TrackingNode[Config]):
             raise Finished(1 if self._window.given_up else 0)
 
     def _may_begin(self, now: float) -> bool:
-        if not self._awaited and self._matching.complete():
+        is_ready = not self._awaited and self._matching.complete()
+        if is_ready and not self._others_feed():
             return True
         if now - self._start > self.config.ready_timeout:
-            self.get_logger().error(
-                f'not begun: after {self.config.ready_timeout:g} s nodes {sorted(self._awaited)} are not ready '
-                f'{self._matching.missing()}'
-            )
+            lacks = f'nodes {sorted(self._awaited)} are not ready {self._matching.missing()}'
+            told = f'another node feeds this graph: {APART}' if is_ready else lacks
+            self.get_logger().error(f'not begun: after {self.config.ready_timeout:g} s {told}')
             raise Finished(1)
         return False
+
+    def _others_feed(self) -> bool:
+        """Whether the nodes that are fed from here get requests of others, too; told once."""
+        topic = self._outputs['request'].topic_name
+        if not self._in_graph or self.count_publishers(topic) <= 1:
+            return False
+        self.get_logger().warn(f'another node publishes {topic}: not begun before it has gone; {APART}', once=True)
+        return True
 
     def _is_due(self, stamp_ns: int, now: float) -> bool:
         if self.config.rate == 0.0 or self._begun is None:
