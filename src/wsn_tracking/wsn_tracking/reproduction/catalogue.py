@@ -12,7 +12,6 @@ ROOMS = (document_a, document_b, document_c, document_d, document_e, cross_claim
 CLAIMS: tuple[Claim, ...] = tuple(
     sorted((claim for room in ROOMS for claim in room.CLAIMS), key=lambda claim: (claim.document, int(claim.id[1:])))
 )
-DOCUMENTS = tuple(dict.fromkeys(claim.document for claim in CLAIMS))
 
 
 def wanted(names: Sequence[str], claims: Sequence[Claim] = CLAIMS) -> list[Claim]:

@@ -37,7 +37,7 @@ from wsn_tracking.zstack.readings import AirEpoch
 from wsn_tracking.zstack.simulator_settings import SimulatorConfig
 
 HERTZ, SECONDS = 10.0, 60.0
-NODES, ESTIMATORS = 12, 3
+ESTIMATORS = 3
 RANDOM_BYTES = 10_000_000
 PATIENCE = 60.0  # [s] until all processes are ready, and after the end
 LISTENER = 'wsn_tracking.nodes.benchmark_serial'
