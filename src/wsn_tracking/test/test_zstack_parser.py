@@ -127,6 +127,15 @@ def test_stray_start_byte_swallows_nothing():
     assert [frame for data in REPORTS for frame in parser.feed(data, 0.0)] == [parse(data)[0] for data in REPORTS]
 
 
+def test_stray_beginning_swallows_nothing_though_its_check_is_right_by_chance():
+    """With what follows it makes a frame of no known command, in which a frame begins that goes on behind its end."""
+    stray = b'\xfe\x0f\x44'
+    reports = [line_bytes(message(report_payload(), ticks=256 * k)) for k in range(256)]
+    (struck,) = (data for data in reports if valid_at(stray + data, 0))
+    parser = Parser()
+    assert parser.feed(REPORTS[0] + stray + struck, 0.0) == [*parse(REPORTS[0]), *parse(struck)]
+
+
 def test_length_above_250_is_no_frame():
     parser = Parser()
     body = bytes((251, 0x44, 0x00)) + bytes(251)

@@ -5,9 +5,10 @@ one takes no sound one with it, more is asked:
 
 - Its LEN has to fit its command. Where the command sets it no bounds, a frame of another that does fit is rather one
   that was swallowed.
-- Where it came straight after another frame, or after a pause, and no FE lies at the end of a lesser LEN, it is one.
-  Else another frame may begin within it and go on behind its end. Of two that overlap, one whose LEN fits exactly is
-  true, for that hardly ever happens by chance; else the one from where a frame is due, or that is followed by one.
+- Another frame may begin within it and go on behind its end. Of two that overlap, one whose LEN fits exactly is true,
+  for that hardly ever happens by chance; else the one from where a frame is due, or that is followed by one. Where the
+  first came straight after another frame, or after a pause, and both fit alike, it is true unless its LEN was damaged:
+  the other one begins at the end of a lesser LEN.
 
 None of this depends on how much has come: what cannot be told yet is waited for.
 """
@@ -52,14 +53,16 @@ def verdict(stream: Stream, at: int, *, in_step: bool) -> str:
         return 'bad_fcs'
     if held.find(SOF, at + 1, stop) < 0:
         return SOUND
-    ends = [at + OVERHEAD + length for length in lesser] if in_step else range(at + 1, stop)
-    rivals = [end for end in ends if held[end] == SOF and not (in_step and fcs(_shortened(held[at:end])))]
-    if is_exact:  # which hardly ever happens by chance
-        rivals = [rival for rival in rivals if _may_be_exact(held, rival)]
-    elif rivals:
-        beaten = [_leads_beyond(stream, rival, stop) for rival in rivals if _may_be_exact(held, rival)]
+    within = [place for place in range(at + 1, stop) if held[place] == SOF]
+    exact = [place for place in within if _may_be_exact(held, place)]
+    if not is_exact:  # which hardly ever happens by chance
+        beaten = [_leads_beyond(stream, rival, stop) for rival in exact]
         if True in beaten or None in beaten:
             return 'bad_length' if True in beaten else WAIT
+    rivals = exact if is_exact else within
+    if in_step:
+        ends = {at + OVERHEAD + length for length in lesser}
+        rivals = [rival for rival in rivals if rival in ends and not fcs(_shortened(held[at:rival]))]
     return _contest(stream, rivals, stop) if rivals else SOUND
 
 
