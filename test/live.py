@@ -18,7 +18,8 @@ ROOT = Path(__file__).resolve().parents[1]
 A_LOOP = ROOT / 'bags' / 'a_loop'
 ENDS_IN_S = 10.0  # far beyond what a node takes that is asked to end
 TIMEOUT = 180.0  # [s] far beyond what a short graph takes on a machine that does much else
-PATIENT = {'output_timeout': TIMEOUT, 'ready_timeout': TIMEOUT}  # settings of a graph that no busy machine stops
+TIMEOUTS = ('output_timeout', 'ready_timeout', 'loss_timeout', 'fusion_timeout', 'round_timeout')
+PATIENT = dict.fromkeys(TIMEOUTS, TIMEOUT)  # settings of a replay that no busy machine changes
 
 
 @contextlib.contextmanager

@@ -52,7 +52,7 @@ def through_graph(tmp_path):
         bag, scores = bag_of(tmp_path, epochs), tmp_path / 'scores.json'
         extra = [f'estimate/consensus_{i}' for i in range(1, 11)]
         record = {'output': str(tmp_path / 'out'), 'extra_topics': extra}
-        plan, graph = halves(bag, settings=settings, record=record, evaluator={'json': str(scores)})
+        plan, graph = halves(bag, settings={**live.PATIENT, **settings}, record=record, evaluator={'json': str(scores)})
         run = offline(*graphs.open_bag(str(bag)), settings=settings)
         with live.private_domain() as environment, live.started(graph, environment) as running:
             live.wait_all(running, ['bag_player', 'evaluator', 'bag_recorder'], live.TIMEOUT)
