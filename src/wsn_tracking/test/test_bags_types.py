@@ -71,7 +71,7 @@ def test_what_is_no_bag_is_refused(tmp_path):
     (tmp_path / 'empty.mcap').write_bytes(b'')
     refused(tmp_path / 'empty.mcap', 'is empty')
     (tmp_path / 'text.mcap').write_text('hello, this is no bag')
-    refused(tmp_path / 'text.mcap', 'no MCAP file', 'hello')
+    refused(tmp_path / 'text.mcap', 'no MCAP file', 'hello', 'ros2 bag convert')
     (tmp_path / 'magic.mcap').write_bytes(b'\x89MCAP0\r\n')
     refused(tmp_path / 'magic.mcap', 'holds no measurements', 'truncated 1')
     refused(plain_mcap(tmp_path / 'none.mcap', []), 'holds no measurements', 'no topics')

@@ -91,7 +91,10 @@ def scan(path: Path) -> RawLog:
     if not data:
         raise TrackingError(f'{path} is empty: an MCAP file is expected; record it again')
     if not data.startswith(MAGIC):
-        raise TrackingError(f'{path} is no MCAP file: it begins with {data[:8]!r}, expected {MAGIC!r}')
+        raise TrackingError(
+            f'{path} is no MCAP file: it begins with {data[:8]!r}, expected {MAGIC!r}; other storages are converted by '
+            '`ros2 bag convert`'
+        )
     found = _Found()
     if not _file(data, found):
         found.dropped['truncated'] += 1
