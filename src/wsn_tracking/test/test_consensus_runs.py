@@ -63,7 +63,7 @@ def test_a_complete_flood_is_the_centralised_filter(worlds, track, centralised):
     after = track(replace(FLOOD, rounds=enough))
     assert np.sqrt(after.squares) == pytest.approx(np.sqrt(centralised.squares), abs=1e-6)
     start = np.array([50.0, 50.0, 10.0, 10.0]), np.diag([100.0, 100.0, 9.0, 9.0])
-    m, P = dense_centralised(worlds.positions[0], worlds.z[0, :12], *start, FLOOD.observation.omega_weight)
+    m, P = dense_centralised(worlds.positions[0], worlds.z[0, :12], *start, 1.0)
     network = Network(replace(FLOOD, rounds=enough), worlds.positions[0])
     nodes = network.start()
     for k in range(12):
@@ -168,7 +168,14 @@ def test_a_linearisation_error_that_lasts_is_not_averaged_away(track):
     alone, new = replace(CM, rounds=0), ObservationConfig(linearisation_epochs=1.0)
     assert 2.0 * mean_nees(track(alone)) <= mean_nees(track(replace(alone, observation=new)))
     assert rmse(track(alone)) <= rmse(track(replace(alone, observation=new)))
-    assert rmse(track(CM)) == pytest.approx(rmse(track(replace(CM, observation=new))), rel=0.01)
+    assert rmse(track(CM)) == rmse(track(replace(CM, observation=new)))
+
+
+def test_the_more_nodes_look_the_sooner_a_linearisation_error_is_a_new_one():
+    live = np.array([1.0, 2.0, 8.0, 50.0])
+    assert ObservationConfig(linearisation_epochs=8.0).omega_weight(live).tolist() == [8.0, 4.0, 1.0, 1.0]
+    assert ObservationConfig(linearisation_epochs=1.0).omega_weight(live).tolist() == [1.0] * 4
+    assert ObservationConfig(printed_form=True).omega_weight(live) == 0.0
 
 
 def test_a_node_east_of_the_target_stays_consistent(worlds):

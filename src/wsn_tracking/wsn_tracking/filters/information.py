@@ -71,14 +71,14 @@ def contribute(
     R: Floats,
     pi_1: Floats,
     loss: LossModel,
-    omega_weight: float = 1.0,
+    omega_weight: Floats | float = 1.0,
 ) -> Contribution:
     """Information of one observation of each node (seed 002, eq. 10 to 12 and 16 to 21).
 
     prior (..., n); h maps (..., K, n) to (..., K, 2) and looks at the position alone; z (..., 2) range [m] and
-    bearing [rad], NaN where not read (a row that drops out); R (..., 2, 2); pi_1 (...). With the deviations O and E of
-    the regression: P_zz = O O' + E E', H = (P^-1 P_xz)' = O chol_P^-1, and the linearisation error
-    Omega = P_zz - H P H' = E E' adds to R, which makes the posterior that of the cubature Kalman filter.
+    bearing [rad], NaN where not read (a row that drops out); R (..., 2, 2); pi_1 and omega_weight (...). With the
+    deviations O and E of the regression: P_zz = O O' + E E', H = (P^-1 P_xz)' = O chol_P^-1, and the linearisation
+    error Omega = P_zz - H P H' = E E' adds to R, which makes the posterior that of the cubature Kalman filter.
     `omega_weight` times as much of it adds to what the observation is worth, though not to how likely it is: 0 is the
     form that the document prints; w counts an error that stays the same for w epochs as one, where 1 takes each as new.
 
@@ -96,7 +96,7 @@ def contribute(
     mu = np.where(np.any(read, axis=-1), posterior(pi_1, l1, loss(z, R, read)), 0.0)
     H = O @ inverse(root)
     rows = np.concatenate([H, (v + matvec(H, m))[..., None]], axis=-1)
-    rows = forward(np.linalg.cholesky(R + omega_weight * Omega), rows)
+    rows = forward(np.linalg.cholesky(R + np.asarray(omega_weight)[..., None, None] * Omega), rows)
     rows = np.sqrt(np.where(mu < NEGLIGIBLE, 0.0, mu))[..., None, None] * rows
     A, b = rows[..., :POSITION], rows[..., POSITION]
     vector, matrix = np.zeros_like(prior.m), np.zeros_like(prior.chol_P)

@@ -47,7 +47,7 @@ def track_raw(config: ConsensusConfig, worlds: Worlds, ten_bytes: bool = True) -
         mu = contribute(belief, h, worlds.z[:, k], worlds.R, mu, loss).mu
         z, weight = as_sent(worlds.z[:, k], mu) if ten_bytes else (worlds.z[:, k], mu)
         weight = np.where(known & (weight >= NEGLIGIBLE)[:, None, :], weight[:, None, :], 0.0)
-        total = _heard(belief, worlds, z, weight, config.observation.omega_weight)
+        total = _heard(belief, worlds, z, weight, config.observation.omega_weight(nodes.live[..., None]))
         belief, mu = to_belief(unpacked(packed(to_information(belief)) + total)), arrival.kept(mu)
         e = belief.m - worlds.states[:, k, None]
         squares[:, k], normed[:, k] = np.sum(e[..., :2] ** 2, axis=-1), nees(e, belief.P)
@@ -55,7 +55,7 @@ def track_raw(config: ConsensusConfig, worlds: Worlds, ten_bytes: bool = True) -
     return Scores(squares, normed, right)
 
 
-def _heard(belief: Belief, worlds: Worlds, z: Floats, weight: Floats, omega_weight: float) -> Floats:
+def _heard(belief: Belief, worlds: Worlds, z: Floats, weight: Floats, omega_weight: Floats) -> Floats:
     """Packed information (runs, N, 14) of all readings about each node's own prior; weight (runs, N, N)."""
     shape = weight.shape
     about = Belief(

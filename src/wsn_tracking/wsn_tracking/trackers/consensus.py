@@ -53,6 +53,7 @@ class Local(NamedTuple):
 def local_step(
     belief: Belief,
     mu: Floats,
+    live: Floats,
     dt: float,
     z: Floats,
     R: Floats,
@@ -62,14 +63,15 @@ def local_step(
 ) -> Local:
     """Steps 1 to 4 of seed 002, section 2.3: predict by dt [s], and weigh what z (..., 2) says.
 
-    belief (..., 4), mu (...), positions (..., 3) [m], R (..., 2, 2). In the first epoch, dt = 0, nothing is predicted.
+    belief (..., 4), mu (...), live nodes (...), positions (..., 3) [m], R (..., 2, 2). In the first epoch, dt = 0,
+    nothing is predicted.
     """
     pi_1 = mu
     if dt > 0.0:
         belief = srckf.predict(belief, *motion_of(config, dt))
         pi_1 = chain.predicted(arrival_of(config), mu)
     h = range_bearing_function(positions, belief.m, config.target_height)
-    own: Contribution = contribute(belief, h, z, R, pi_1, loss, config.observation.omega_weight)
+    own: Contribution = contribute(belief, h, z, R, pi_1, loss, config.observation.omega_weight(live))
     return Local(packed(to_information(belief)), packed(own.information), own.mu)
 
 
@@ -123,7 +125,7 @@ class Network:
         self, nodes: Nodes, epoch: int, dt: float, z: Floats, R: Floats, alive: Mask | None = None
     ) -> tuple[Nodes, Agreement]:
         """One epoch: z (..., N, 2), NaN where nothing was read; R (..., 2, 2); alive (..., N), by default all."""
-        local = local_step(nodes.belief, nodes.mu, dt, z, R, self.positions, self.config, self._loss_model)
+        local = local_step(nodes.belief, nodes.mu, nodes.live, dt, z, R, self.positions, self.config, self._loss_model)
         scheme = self.exchange.scheme
         active = self.graph & (nodes.silent < self.config.silent_epochs)
         up = self._up(epoch, alive)

@@ -39,19 +39,18 @@ class ObservationConfig:
     range_std: float = param(0.1, 'of a range', 'm', 1e-6, 1e4)
     bearing_std: float = param(0.5, 'of a bearing', 'rad', 1e-6, 10.0)
     linearisation_epochs: float = param(
-        4.0,
-        'for how many epochs an error of linearisation stays the same, and counts as one; 1: each is new, which is the '
-        'cubature Kalman filter',
+        8.0,
+        'w: for how many epochs an error of linearisation stays the same, and counts as one, where a node is alone; '
+        'among n live nodes w / n, at least one. 1: each is new, which is the cubature Kalman filter',
         '',
         1.0,
         1000.0,
     )
     printed_form: bool = param(False, 'leave the linearisation error out of R, as the document prints it')
 
-    @property
-    def omega_weight(self) -> float:
-        """Of the linearisation error in what an observation is worth, see `information.contribute`."""
-        return 0.0 if self.printed_form else self.linearisation_epochs
+    def omega_weight(self, live: Floats) -> Floats:
+        """Of the linearisation error in what an observation is worth, among so many live nodes, (...)."""
+        return np.asarray(0.0 if self.printed_form else np.maximum(1.0, self.linearisation_epochs / live))
 
 
 @dataclass(frozen=True)

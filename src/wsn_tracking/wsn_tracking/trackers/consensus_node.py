@@ -106,7 +106,8 @@ class ConsensusNode:
             )
         dt = 0.0 if self._stamp_ns is None else max(epoch.stamp_ns - self._stamp_ns, 0) * 1e-9
         z, R = observation_of(epoch, self.anchor, self._R)
-        local = local_step(self._belief, self._mu, dt, z, R, self.anchor.positions[0], self.config, self._loss_model)
+        live, position = np.array(self._live), self.anchor.positions[0]
+        local = local_step(self._belief, self._mu, live, dt, z, R, position, self.config, self._loss_model)
         self.inbox.open(epoch)
         self._now = _Now(epoch, local, self._start(local))
         self._stamp_ns, self._round, self._bits = epoch.stamp_ns, 0, 1 << self.node_id
