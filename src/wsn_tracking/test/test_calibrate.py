@@ -11,6 +11,7 @@ from channel_cases import a_channel, saved
 
 from wsn_tracking import graphs
 from wsn_tracking.bags.save import save
+from wsn_tracking.commands import calibrate
 from wsn_tracking.commands.base import settings
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.evaluation.run import summarise
@@ -108,3 +109,16 @@ def test_the_channel_goes_to_the_graph_by_its_whole_path(bag, tmp_path, monkeypa
     processes = graphs.replay(str(bag), settings=given, configuration='random_q')
     users = {p.name for p in processes if p.parameters.get('channel') == given['channel']}
     assert users >= {'sensing', 'estimator_1', 'estimator_2', 'estimator_3'}
+
+
+@pytest.mark.parametrize(('half', 'warned'), [(19.0, False), (21.0, True)])
+def test_radios_that_are_hardly_known_are_named(half, warned, capsys):
+    channel = a_channel()
+    p1 = channel.path_loss.p1_dbm
+    low, high = p1.value - 1.0, p1.value + 1.0
+    low[1], high[1] = p1.value[1] - half, p1.value[1] + half
+    loss = channel.path_loss._replace(p1_dbm=p1._replace(low=low, high=high))
+    calibrate._warn_of_open_radios(channel._replace(path_loss=loss))
+    told = capsys.readouterr().err
+    assert told.startswith(f'P1 of nodes {channel.ids[1]} is open') == warned
+    assert (told == '') == (not warned)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from typing import TYPE_CHECKING
 
 from wsn_tracking.commands.base import Commands, add_command, seconds
@@ -10,6 +11,7 @@ from wsn_tracking.commands.base import Commands, add_command, seconds
 if TYPE_CHECKING:
     from wsn_tracking.sensing.channel import Channel, Quantity
 
+OPEN_DB = 20.0  # half of an interval of P1 from which on a radio is hardly known: at n = 2, a decade of distance
 TITLES = {'p1_dbm': 'P1 dBm', 'n': 'n', 'sigma_db': 'sigma dB', 'bias': 'bias m', 'scale': 'scale', 'sigma': 'sigma m'}
 
 
@@ -64,6 +66,7 @@ def _do(options: argparse.Namespace) -> int:
     save_channel(options.output, channel)
     print(f'{options.output}: {", ".join(f"{name} {words}" for name, words in channel.origin.items())}')
     _print_table(channel)
+    _warn_of_open_radios(channel)
     return 0
 
 
@@ -84,6 +87,8 @@ def _of_body(options: argparse.Namespace) -> int:
     if known is None:
         _print_table(channel)
     _print_body(channel)
+    if known is None:
+        _warn_of_open_radios(channel)
     return 0
 
 
@@ -109,3 +114,17 @@ def _print_table(channel: Channel) -> None:
     for row, node in enumerate(channel.ids.tolist()):
         cells = [f'{q.value[row]:9.3f} ± {0.5 * (q.high[row] - q.low[row]):6.3f}' for _, q in columns]
         print(f'{node:<6}{"".join(f"{cell:>18}" for cell in cells)}{found.places[row]:8d}{found.readings[row]:10d}')
+
+
+def _warn_of_open_radios(channel: Channel) -> None:
+    """One line about the nodes whose path loss is hardly known: a tracker believes it all the same."""
+    if channel.path_loss is None:
+        return
+    p1 = channel.path_loss.p1_dbm
+    nodes = channel.ids[0.5 * (p1.high - p1.low) > OPEN_DB].tolist()
+    if nodes:
+        print(
+            f'P1 of nodes {", ".join(map(str, nodes))} is open by more than {OPEN_DB:.0f} dB, and a tracker takes the '
+            'value for true: better the radios of a survey, or of a longer walk past these nodes, than this file',
+            file=sys.stderr,
+        )
