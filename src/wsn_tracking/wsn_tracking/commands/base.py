@@ -20,7 +20,7 @@ def add_command(
     commands: Commands, name: str, do: Callable[[argparse.Namespace], int], words: str, *examples: str
 ) -> argparse.ArgumentParser:
     """A command with one line of help and the examples that its --help shows; `do` gives the exit code."""
-    shown = '\n'.join(f'  wsn-tracking {name} {example}' for example in examples)
+    shown = '\n'.join(f'  wsn-tracking {name} {example}'.rstrip() for example in examples)
     command: argparse.ArgumentParser = commands.add_parser(
         name,
         help=words,
