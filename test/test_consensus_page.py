@@ -66,7 +66,7 @@ def test_parts_are_quoted():
     sizes = ('alone', 'two_to_four', 'five_or_more')
     found = ROWS['parts']
     words = told('a node is alone (@ %), one of two to four (@ %), or of five or more (@ %)', PAGE)
-    shares = (100 * found['uniform model, w = 4'][f'share_{size}'] for size in sizes)
+    shares = (100 * found['uniform model, w = 8'][f'share_{size}'] for size in sizes)
     quoted(*zip(words, shares, strict=True))
     cells = rows('loss model, w')
     assert len(cells) == len(found)
@@ -77,15 +77,13 @@ def test_parts_are_quoted():
         columns += (row['rmse_m'], *(row[f'rmse_m_{size}'] for size in sizes))
         quoted(*zip(values, columns, strict=True))
         quoted((tests.removesuffix(' %'), 100 * row['batches_up_to_5']))
-    plain, one, alone = (ROWS['schemes'][name] for name in ('cm, L = 20, w = 1', 'flood, 1 hops', 'no consensus'))
-    words = told('`cm` with L = 20 has @ cm and NEES @ with w = 1', PAGE)
-    quoted(*zip(words, (100 * plain['rmse_m'], plain['nees']), strict=True))
-    words = told('one hop then has @ cm and NEES @, with w = 4 @ cm and @', PAGE)
-    pairs = [(100 * row['rmse_m'], row['nees']) for row in (ROWS['schemes']['flood, 1 hops, w = 1'], one)]
-    quoted(*zip(words, (*pairs[0], *pairs[1]), strict=True))
-    words = told('no consensus at all @ m and @, with w = 4 @ m and @', PAGE)
-    pairs = [(row['rmse_m'], row['nees']) for row in (ROWS['schemes']['no consensus, w = 1'], alone)]
-    quoted(*zip(words, (*pairs[0], *pairs[1]), strict=True))
+    plain = ROWS['schemes']['cm, L = 20, w = 1']
+    words = told('`cm` with L = 20 has @ cm and NEES @ with w = 1 and with w = 8', PAGE)
+    for row in (plain, ROWS['schemes']['cm, L = 20']):
+        quoted(*zip(words, (100 * row['rmse_m'], row['nees']), strict=True))
+    words = told('No consensus at all has @ m and NEES @ with w = 1, @ m and @ with w = 8', PAGE)
+    pair = [ROWS['schemes'][f'no consensus{w}'] for w in (', w = 1', '')]
+    quoted(*zip(words, (row[key] for row in pair for key in ('rmse_m', 'nees')), strict=True))
 
 
 def test_growth_is_quoted():

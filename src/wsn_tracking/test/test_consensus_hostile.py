@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from oracles import properties
 
 from wsn_tracking.errors import TrackingError
-from wsn_tracking.trackers.consensus_config import ConsensusConfig
+from wsn_tracking.trackers.consensus_config import ConsensusConfig, ObservationConfig
 from wsn_tracking.trackers.consensus_share import bitmap, to_bytes
 
 
@@ -106,8 +106,9 @@ def test_whatever_honest_nodes_say_passes_the_door(scheme, k):
 
 def test_an_average_that_has_lost_its_definiteness_leaves_a_node_with_what_it_knows_alone():
     """As accelerated rounds may; such rows pass the door of an accelerated network."""
-    node, other = pair(ConsensusConfig(rounds=2))
-    alone, _ = pair(ConsensusConfig(rounds=0))
+    kalman = ObservationConfig(linearisation_epochs=1.0)  # for which it makes no difference how many live
+    node, other = pair(ConsensusConfig(rounds=2, observation=kalman))
+    alone, _ = pair(ConsensusConfig(rounds=0, observation=kalman))
     assert alone.begin(reading(0)) is None
     share = other.begin(reading(0))
     node.begin(reading(0))
