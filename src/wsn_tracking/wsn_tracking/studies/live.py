@@ -2,7 +2,8 @@
 
 Parity: a replay gives what the evaluator computes, bit for bit, at every rate, repeated. Soak: a radio field at 20 Hz
 for a minute, with the timeouts of a live network. Consensus: how long 50 nodes of system B take to agree, T = 1 s, and
-whether they agree on what the evaluator computes. Targets: twenty of them on one node.
+whether they agree on what the evaluator computes. Targets: twenty of them on one node. Rejoin: how soon an estimator
+that was killed takes part again.
 """
 
 from __future__ import annotations
@@ -27,6 +28,7 @@ from wsn_tracking.simulation.scenario import Scenario
 from wsn_tracking.simulation.scenarios import scenario
 from wsn_tracking.studies.live_consensus import consensus
 from wsn_tracking.studies.live_graph import alone, quietly
+from wsn_tracking.studies.live_rejoin import rejoin
 from wsn_tracking.studies.results import Result, Studies, call
 
 REPEATS = 20
@@ -127,7 +129,9 @@ def _replayed(bag: Path, rate: float, out: Path) -> dict[str, Any]:
     return read_estimates(out)
 
 
-STUDIES: Studies = {'live': {'parity': parity, 'soak': soak, 'consensus': consensus, 'targets': targets}}
+STUDIES: Studies = {
+    'live': {'parity': parity, 'soak': soak, 'consensus': consensus, 'targets': targets, 'rejoin': rejoin}
+}
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
