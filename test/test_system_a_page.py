@@ -6,11 +6,12 @@ from functools import partial
 import pytest
 
 from live import ROOT
-from quotes import numbers, page, quoted, results, table
+from quotes import numbers, page, quoted, results, table, told
 
 PAGE = page('system_a')
 A = results('system_a')['studies']
 RADIO = results('real_radio')['studies']
+REJOIN = results('live')['studies']['rejoin']['rows']
 CENTRAL = {
     'danis_central': {
         'gaussian_ckf': '| cubature filter',
@@ -145,3 +146,16 @@ def test_updates_and_shares_are_quoted():
             quoted((change.removesuffix(' %'), 100.0 * (found['ei_of_ckf_measured'][key]['value'] - 1.0)))
     for alpha, text in zip(('0.2', '0.25', '0.27', '0.3', '0.5'), rows('`alpha`')[0][1:], strict=True):
         quoted((text, A['trigger_rate']['sent_of_in_radius'][f'alpha_{alpha}']['value']))
+
+
+def test_how_soon_an_estimator_that_was_killed_is_fused_again_is_quoted():
+    live, longest, replay, longest_replay = told(
+        'is fused again @ s later with the timeouts of a live network (at the longest of ten times @ s) and @ s later '
+        'in a replay (@ s)',
+        PAGE,
+    )
+    found = {row['timeouts']: row for row in REJOIN}
+    assert {row['repeats'] for row in REJOIN} == {10}
+    quoted((live, found['live']['median_s']), (longest, found['live']['longest_s']))
+    quoted((replay, found['replay']['median_s']), (longest_replay, found['replay']['longest_s']))
+    assert max(row['longest_s'] for row in REJOIN) < 5.0
