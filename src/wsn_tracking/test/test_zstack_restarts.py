@@ -57,6 +57,14 @@ def test_sink_that_came_back_by_itself_and_has_forgotten_us_is_found_out(sink, h
     assert not sink.questions(c.ZdoStartup)
 
 
+def test_sink_that_calls_our_endpoint_new_whenever_it_is_asked_has_forgotten_nothing(sink, host):
+    sink.answers[c.AfRegister] = [c.AfRegisterRsp(0)]
+    up = host(timeout=dataclasses.replace(FAST, idle=0.05))
+    up.wait_up()
+    sink.wait_asked(c.AfRegister, 7)  # once when it is attached, twice at each of three pings
+    assert (up.counted('found_down'), up.counted('attached'), up.counted('lost')) == (0, 1, 0)
+
+
 def test_sink_that_is_busy_is_asked_again_and_not_attached_anew(sink, host):
     """It answers pings, and nothing else for a while."""
     up = host(timeout=dataclasses.replace(FAST, idle=0.05, reply=0.05))

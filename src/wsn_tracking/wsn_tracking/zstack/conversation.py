@@ -60,14 +60,20 @@ class Watchdog:
         return True
 
     def _has_forgotten(self) -> bool:
-        """The line may have lost what a sink said when it restarted: without network or endpoint no message comes."""
+        """The line may have lost what a sink said when it restarted: without network or endpoint no message comes.
+
+        An endpoint is forgotten where it is new at first and known when asked again: some sinks call it new for ever.
+        """
         device = _try(self._dialogue, UtilGetDeviceInfo(), UtilGetDeviceInfoRsp)
         if not isinstance(device, UtilGetDeviceInfoRsp):
             return False
         try:
-            return device.state != COORDINATOR_UP or register(self._dialogue, self._radio)
+            return device.state != COORDINATOR_UP or (self._is_new() and not self._is_new())
         except TrackingError:
             return False
+
+    def _is_new(self) -> bool:
+        return register(self._dialogue, self._radio)
 
 
 def speak(dialogue: Dialogue, outbox: Outbox, questions: Questions) -> bool:
