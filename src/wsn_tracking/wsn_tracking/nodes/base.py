@@ -67,7 +67,6 @@ class TrackingNode(Node, Generic[Config]):
         self._other_anchors = 0
         self.malformed: Counter[str] = Counter()
         self._last_input: dict[str, float] = {}
-        self.arrivals = 0  # messages that have come in
         self._made_at = time.monotonic()
         self._awaited_words = ''  # what it waits for, as the terminal was told
         self.create_timer(1.0, self.report)
@@ -99,7 +98,6 @@ class TrackingNode(Node, Generic[Config]):
         def callback(message: Any) -> None:
             now = time.monotonic()
             self._last_input[topic] = now
-            self.arrivals += 1
             try:
                 arrived = value(message)
             except TrackingError as error:

@@ -56,7 +56,7 @@ class EvaluatorNode(TrackingNode[EvaluatorConfig]):
         self._finals: dict[int, int] = {}  # the last epoch of each target
         self._last = time.monotonic()
         self._told: dict[str, dict[str, str]] = {}
-        self._seen, self._quiet = 0, 0
+        self._heard, self._seen, self._quiet = 0, 0, 0  # messages of the targets that are scored
         self._running: dict[str, str] = {}
         self._score_at = 0.0  # steady time from which on they are computed anew
         for name in self._estimates:
@@ -77,19 +77,22 @@ class EvaluatorNode(TrackingNode[EvaluatorConfig]):
         def heard(estimate: Estimate, now: float) -> None:
             if estimate.target_id in self._ends:
                 self._last = now
+                self._heard += 1
                 self._estimates[name].append(estimate)
 
         self.take(msg.TargetEstimate, f'estimate/{name}', convert.estimate_value, heard, qos.FED)
 
     def _take_truth(self, target: int, poses: list[tuple[int, Floats, Floats]]) -> None:
         def heard(pose: tuple[int, Floats, Floats], now: float) -> None:
+            self._heard += 1
             poses.append(pose)
 
         self.take(Odometry, f'truth/target_{target}', convert.truth_position, heard, qos.FED)
 
     def _end(self, end: EpochEnd, now: float) -> None:
-        self._last = now
         if end.target_id in self._ends:
+            self._last = now
+            self._heard += 1
             ends, epoch = self._ends[end.target_id], (end.stamp_ns, end.request_seq)
             if ends[-1:] != [epoch]:
                 ends.append(epoch)
@@ -99,6 +102,7 @@ class EvaluatorNode(TrackingNode[EvaluatorConfig]):
 
     def _reported(self, report: TriggerReport, now: float) -> None:
         if report.target_id in self._ends:
+            self._heard += 1
             self._reports.append(report)
 
     def _diagnosed(self, array: DiagnosticArray) -> None:
@@ -110,10 +114,11 @@ class EvaluatorNode(TrackingNode[EvaluatorConfig]):
     def _finish(self) -> None:
         """The feed has ended: wait for the last outputs and counts, at most `output_timeout`, and tell.
 
-        Quiet is measured in looks at the queues, not in time: a process that was held up has not looked.
+        Quiet is measured in looks at the queues, not in time: a process that was held up has not looked. Messages of
+        targets that are not scored may go on for ever.
         """
-        self._quiet = self._quiet + 1 if self.arrivals == self._seen else 0
-        self._seen = self.arrivals
+        self._quiet = self._quiet + 1 if self._heard == self._seen else 0
+        self._seen = self._heard
         if not self.ended or self._quiet < QUIET:
             return
         missing = [name for name, e in self._estimates.items() if not e or not self._is_final(e[-1])]
