@@ -30,15 +30,13 @@ def private_domain() -> Iterator[dict[str, str]]:
 
 
 @contextlib.contextmanager
-def started(
-    graph: Sequence[Process], environment: Mapping[str, str], within: Sequence[str] = ()
-) -> Iterator[dict[str, subprocess.Popen[str]]]:
-    """The processes of a graph, by name, each within a command; whatever still runs at the end is killed."""
+def started(graph: Sequence[Process], environment: Mapping[str, str]) -> Iterator[dict[str, subprocess.Popen[str]]]:
+    """The processes of a graph, by name; whatever still runs at the end is killed."""
     with tempfile.TemporaryDirectory() as folder:
         running = {}
         try:
             for process in graph:
-                running[process.name] = start(process, environment, Path(folder), within)
+                running[process.name] = start(process, environment, Path(folder))
             yield running
         finally:
             end(running.values())
@@ -56,12 +54,10 @@ def end(processes: Collection[subprocess.Popen[str]]) -> None:
             process.communicate()
 
 
-def start(
-    process: Process, environment: Mapping[str, str], folder: Path, within: Sequence[str] = ()
-) -> subprocess.Popen[str]:
+def start(process: Process, environment: Mapping[str, str], folder: Path) -> subprocess.Popen[str]:
     """One process of a graph, its output piped."""
     return subprocess.Popen(
-        [*within, *processes.command(process, processes.write_parameters(process, folder))],
+        processes.command(process, processes.write_parameters(process, folder)),
         env=dict(environment),
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
