@@ -12,13 +12,13 @@ from collections.abc import Iterable
 
 from wsn_tracking.errors import TrackingError
 from wsn_tracking.sensing.average import one_a_node, unusable
-from wsn_tracking.sensing.open_epochs import MAX_OPEN, Key, Listing, OpenEpoch, OpenEpochs
+from wsn_tracking.sensing.open_epochs import MAX_OPEN, Listing, OpenEpoch, OpenEpochs
+from wsn_tracking.sensing.roster import Roster
 from wsn_tracking.sensing.runs import Message, begins, falls_back, is_confirmed, is_stray
 from wsn_tracking.sensing.values import Epoch, EpochEnd, Measurement, Request, TriggerReport
 
 MAX_LATE = 1000  # late messages held in case a new run's request is still to come
 MAX_AHEAD = 10_000  # messages of a new run held while the old one closes
-FORGET_AFTER = 3  # epochs without its report, and a node is no longer waited for
 JOINING = 2.0  # [s] what a reader of a running feed waits for an epoch whose first part it may have missed
 
 NO_LOSS = ('used', 'epochs', 'lists', 'late_list', 'other_node', 'renumbered')  # counters of what was not dropped
@@ -45,8 +45,7 @@ class EpochAssembler:
         loss_timeout: float = 2.0,
         lossless: bool = False,
     ) -> None:
-        self.roster = frozenset(roster)
-        self.known = self.roster if known is None else frozenset(known)
+        self._roster = Roster(roster, known)
         self.target_id = target_id
         self.loss_timeout = loss_timeout
         self.lossless = lossless
@@ -59,7 +58,6 @@ class EpochAssembler:
         self._newest: Request | None = None
         self._late: deque[tuple[str, Measurement | Listing]] = deque(maxlen=MAX_LATE)
         self._ahead: list[Message] = []  # a new run, from its request on, while the old one closes
-        self._unreported: Counter[int] = Counter()
 
     # ---- what comes in
 
@@ -72,19 +70,17 @@ class EpochAssembler:
         """One node's packet."""
         if not self._is_ours(packet):
             return
-        if packet.node_id in self.roster:
-            self._take_packet(packet, now)
+        if reason := self._roster.refuses(packet.node_id):
+            self.counters[reason] += 1
         else:
-            self.counters['other_node' if packet.node_id in self.known else 'unknown_node'] += 1
+            self._take_packet(packet, now)
 
     def listing(self, listing: Listing, now: float) -> None:
         """What was sent in an epoch: by everyone (EpochEnd), or by the nodes that a report names."""
         if not self._is_ours(listing):
             return
-        covered = self._covered(listing)
-        for node in covered:
-            self._unreported.pop(node, None)  # it speaks again, be it late
-        if covered:
+        if covered := self._roster.covered(listing):
+            self._roster.heard(covered)
             self._take_list(listing, now)
         else:
             self.counters['other_node'] += 1
@@ -96,7 +92,7 @@ class EpochAssembler:
         self._follow(now)
         out = []
         while (epoch := self._open.head) is not None:
-            if epoch.lacks(self._awaited()):
+            if epoch.lacks(self._roster.awaited):
                 if self._began_before(epoch, now):
                     self._first = epoch.seq + 1
                     self.counters['before_start'] += self._open.pop(epoch.seq).messages
@@ -120,7 +116,7 @@ class EpochAssembler:
         """What the oldest open epoch still lacks, in words; empty when nothing is awaited."""
         head = self._open.head
         if head is not None:
-            return f'epoch {head.seq}: {head.missing(self._awaited())}'
+            return f'epoch {head.seq}: {head.missing(self._roster.awaited)}'
         return 'the first request' if self._first is None else ''
 
     @property
@@ -176,13 +172,7 @@ class EpochAssembler:
         if self._is_of_next_run(listing):
             self._hold(listing)
         elif not self._put_aside(listing, 'late_list'):
-            sent = {key for key in _entries(listing) if key[0] in self.roster}
-            self._count(self._open.cover(listing, self._covered(listing), sent, now))
-
-    def _covered(self, listing: Listing) -> frozenset[int]:
-        if isinstance(listing, EpochEnd):
-            return self.roster
-        return self.roster & {*listing.sent_ids, *listing.silent_ids}
+            self._count(self._open.cover(listing, self._roster.covered(listing), self._roster.sent(listing), now))
 
     def _is_ours(self, message: Message) -> bool:
         if self.target_id < 0:
@@ -232,28 +222,21 @@ class EpochAssembler:
 
     # ---- closing
 
-    def _awaited(self) -> frozenset[int]:
-        """The nodes whose lists are waited for; where nobody speaks, only time can tell that all has come."""
-        if not self._unreported:
-            return self.roster
-        return self.roster - {node for node, n in self._unreported.items() if n >= FORGET_AFTER} or self.roster
-
     def _began_before(self, epoch: OpenEpoch, now: float) -> bool:
         """Whether part of it was sent before this reader was there, though nothing is lost: a later one is whole."""
         if not self.lossless or self.counters['epochs'] or now - epoch.touched < JOINING:
             return False
         others = (self._open.get(seq) for seq in self._open.seqs)
-        return any(o is not None and not o.lacks(self.roster) and now - o.touched >= JOINING for o in others)
+        return any(o is not None and not o.lacks(self._roster.nodes) and now - o.touched >= JOINING for o in others)
 
     def _count_loss(self, epoch: OpenEpoch) -> None:
         if self.lossless:
             raise TrackingError(
-                f'epoch {epoch.seq} lacks {epoch.missing(self._awaited())}: nothing may be missing in a replay, so its '
-                f'feed is broken or too slow for `loss_timeout`, {self.loss_timeout:g} s'
+                f'epoch {epoch.seq} lacks {epoch.missing(self._roster.awaited)}: nothing may be missing in a replay, '
+                f'so its feed is broken or too slow for `loss_timeout`, {self.loss_timeout:g} s'
             )
-        unlisted = self.roster - epoch.covered
-        for node in unlisted:
-            self._unreported[node] += 1
+        unlisted = self._roster.nodes - epoch.covered
+        self._roster.missed(unlisted)
         losses = {'lost': len(epoch.lost), 'lost_request': epoch.request is None, 'unlisted_epoch': bool(unlisted)}
         self.counters.update({reason: int(count) for reason, count in losses.items() if count})
 
@@ -285,7 +268,7 @@ class EpochAssembler:
         if abs(message.stamp_ns - epoch.stamp_ns) > abs(message.stamp_ns - self._ahead[0].stamp_ns):
             return True
         if isinstance(message, (EpochEnd, TriggerReport)):
-            return epoch.covered.issuperset(self._covered(message))
+            return epoch.covered.issuperset(self._roster.covered(message))
         return (message.node_id, message.seq) in epoch.packets
 
     def _hold(self, message: Message) -> None:
@@ -301,7 +284,7 @@ class EpochAssembler:
         first, *others = self._ahead
         if falls_back(first, self._newest):
             self.runs += 1
-            self._unreported.clear()
+            self._roster.begin_anew()
             self._before = self.counters.copy()
         else:
             self.counters['renumbered'] += 1
@@ -316,9 +299,3 @@ class EpochAssembler:
             epoch = self._open.pop(seq)
             self.counters['discarded_by_reset'] += epoch.messages
             self._late.extend(('discarded_by_reset', m) for m in (*epoch.packets.values(), *epoch.lists))
-
-
-def _entries(listing: Listing) -> Iterable[Key]:
-    if isinstance(listing, EpochEnd):
-        return zip(listing.node_ids, listing.seqs, strict=False)
-    return zip(listing.sent_ids, listing.sent_seqs, strict=False)
