@@ -26,6 +26,7 @@ def mounted(folder, words):
 
 @pytest.fixture
 def disk(tmp_path):
+    """A small one. Skipped where this user may mount none: to fill the real one would harm others."""
     if (
         not shutil.which('unshare')
         or subprocess.run(mounted(tmp_path, ['true']), capture_output=True, check=False).returncode

@@ -121,7 +121,10 @@ def survives(kind: str, files: Files, breaks, tmp_path: Path) -> None:
 
 
 def real_data(name: str) -> Path:
-    """A recording itself: beside the repository, or where WSN_DATA says."""
+    """A recording itself: beside the repository, or where WSN_DATA says.
+
+    Skipped where it is absent: recordings are not ours to hand on, and the parser is tested by files made here as well.
+    """
     shared = Path(os.environ.get('WSN_DATA', Path(__file__).resolve().parents[4] / 'shared' / 'data'))
     if not (shared / name).is_dir():
         pytest.skip(f'{shared / name} is not there; set WSN_DATA to the folder that holds {name}')

@@ -42,7 +42,11 @@ def test_a_launch_file_declares_its_arguments_where_launch_is_installed(path):
 
 
 def installed_launch():
-    """ROS 2's `launch`: a full installation has it, the wheels have not; our own folder of that name is no package."""
+    """ROS 2's `launch`, which the wheels have not: only a full installation does.
+
+    Skipped elsewhere; the graphs that launch files start are tested without it (test_graphs*.py). A package of that
+    name that is not ROS 2's, or our own folder of launch files, is another thing.
+    """
     launch = pytest.importorskip('launch')
     if not hasattr(launch, 'LaunchService'):
         pytest.skip('another `launch` than that of ROS 2, e.g. the folder of our launch files')
