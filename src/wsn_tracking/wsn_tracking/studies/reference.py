@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from wsn_tracking.filters.belief import Belief
 from wsn_tracking.filters.linalg import matvec
+from wsn_tracking.filters.resampling import systematic
 from wsn_tracking.models.anchors import Floats
 from wsn_tracking.models.measurement import Function
 
@@ -43,16 +43,5 @@ def posterior_means(
         w = np.exp(log_w - log_w.max(axis=-1, keepdims=True))
         w /= w.sum(axis=-1, keepdims=True)
         means[:, k] = (w[..., None] * x).sum(axis=-2)
-        x = np.take_along_axis(x, _systematic(w, generator)[..., None], axis=-2)
+        x = np.take_along_axis(x, systematic(w, particles, generator)[..., None], axis=-2)
     return means
-
-
-def _systematic(w: Floats, generator: np.random.Generator) -> NDArray[np.int64]:
-    """Indices (runs, particles) of systematic resampling with weights w (runs, particles)."""
-    runs, particles = w.shape
-    teeth = (np.arange(particles) + generator.random((runs, 1))) / particles
-    sums = np.cumsum(w, axis=-1)
-    sums[:, -1] = 1.0
-    run = np.arange(runs)[:, None]  # one ascending axis for all: run r lies between r and r + 1
-    chosen = np.searchsorted((sums + run).ravel(), (teeth + run).ravel()).reshape(runs, particles)
-    return np.asarray(np.clip(chosen - run * particles, 0, particles - 1))
