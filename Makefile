@@ -15,11 +15,13 @@ test:
 build:
 	./env
 
+# The last one takes root, and is left out without.
 study:
 	./env python -m wsn_tracking.studies -o docs/results
 	./env python -m wsn_tracking.studies.consensus -o docs/results
 	./env python -m wsn_tracking.studies.live -o docs/results
 	./env python -m wsn_tracking.studies.serial -o docs/results
+	-./env python -m wsn_tracking.studies.live_hosts -o docs/results
 
 # make reproduce ARGS=--quick takes a quarter of the time. The report is reproduction/reproduction.html.
 reproduce:

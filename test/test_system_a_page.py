@@ -159,3 +159,9 @@ def test_how_soon_an_estimator_that_was_killed_is_fused_again_is_quoted():
     quoted((live, found['live']['median_s']), (longest, found['live']['longest_s']))
     quoted((replay, found['replay']['median_s']), (longest_replay, found['replay']['longest_s']))
     assert max(row['longest_s'] for row in REJOIN) < 5.0
+
+
+def test_two_hosts_are_quoted():
+    compared, repeats = told('none of @ estimates of @ runs over two hosts differs', (ROOT / 'README.md').read_text())
+    found = results('hosts')['studies']['hosts']
+    assert (int(compared), int(repeats), 0) == (found['compared'], found['repeats'], found['differing'])
