@@ -224,10 +224,9 @@ class EpochAssembler:
 
     def _began_before(self, epoch: OpenEpoch, now: float) -> bool:
         """Whether part of it was sent before this reader was there, though nothing is lost: a later one is whole."""
-        if not self.lossless or self.counters['epochs'] or now - epoch.touched < JOINING:
-            return False
-        others = (self._open.get(seq) for seq in self._open.seqs)
-        return any(o is not None and not o.lacks(self._roster.nodes) and now - o.touched >= JOINING for o in others)
+        then = now - JOINING
+        begins = self.lossless and not self.counters['epochs'] and epoch.touched <= then
+        return begins and self._open.has_whole(self._roster.nodes, then)
 
     def _count_loss(self, epoch: OpenEpoch) -> None:
         if self.lossless:

@@ -105,6 +105,10 @@ class OpenEpochs:
         """How many messages are held."""
         return sum(epoch.messages for epoch in self._by_seq.values())
 
+    def has_whole(self, awaited: Iterable[int], then: float) -> bool:
+        """Whether any epoch lacks nothing, and has told nothing new since the steady time `then` [s]."""
+        return any(epoch.touched <= then and not epoch.lacks(awaited) for epoch in self._by_seq.values())
+
     def ask(self, request: Request, now: float) -> bool:
         """Add a request; False where the epoch has one."""
         self._make_room(request.seq, is_request=True)
